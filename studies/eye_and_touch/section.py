@@ -25,8 +25,8 @@ ANSWERS = {LOOK: "look", TOUCH: "touch", PRODUCT: "product", CHECKED: "checked p
 def senses_figures(path: Path) -> Row:
     """Read ``reports/eye_and_touch.json``.
 
-    Returns its ``curves``, a ``sentence``, and ``rows``: one row per sight with an estimate of each answer. Raises
-    `ReportError` if the file holds other content.
+    Returns its ``curves``, ``curve_rows`` with accuracies as figures, a ``sentence``, and ``rows``: one row per sight
+    with an estimate of each answer. Raises `ReportError` if the file holds other content.
     """
 
     def arrange(summary: Row) -> Row:
@@ -35,7 +35,13 @@ def senses_figures(path: Path) -> Row:
             | {answer: figure_of(sight["answers"][answer], "accuracy") for answer in ANSWERS}
             for sight in summary["sights"]
         ]
-        return {"sentence": _sentence(summary, rows), "rows": rows, "curves": summary["curves"]}
+        curves = summary["curves"]
+        return {
+            "sentence": _sentence(summary, rows),
+            "rows": rows,
+            "curves": curves,
+            "curve_rows": [{**row, "accuracy": figure_of(row, "accuracy")} for row in curves],
+        }
 
     way_out = "run `snakemake -j2 eye_and_touch_all` again"
     return read_json(path, arrange, "holds no figures of study eye_and_touch", way_out)

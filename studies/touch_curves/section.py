@@ -15,7 +15,8 @@ from touch_curves.tables import TOUCHES_NEEDED
 from visuohaptic.evaluation.intervals import holm
 from visuohaptic.report.comparison import REFERENCE, SIGNIFICANCE
 from visuohaptic.report.drawing import look, style
-from visuohaptic.report.estimates import Row
+from visuohaptic.report.estimates import Figure as Estimate
+from visuohaptic.report.estimates import Row, figure_of
 from visuohaptic.report.figures import draw_lines, finish, whole_percent
 from visuohaptic.report.section import ReportContext, Section, SourceTable, Values, figures_of
 from visuohaptic.report.studies import by_cell, read_figures
@@ -52,7 +53,7 @@ def curves(pipeline: str, classifier: str, needed: Sequence[Row], points_of: lis
     """Return the values of one pipeline and classifier.
 
     ``rows`` are `needed`, rows of `TOUCHES_NEEDED`, with ``adjusted_p`` over the strategies, the largest area first.
-    ``by_touches`` has one row per number of touches, with the ``points`` of all strategies by name. ``refused`` has a
+    ``by_touches`` has one row per number of touches, with the ``accuracy`` of each strategy. ``refused`` has a
     sentence per strategy that was refused.
     """
     compared = [row for row in needed if row["p_value"] is not None]
@@ -64,17 +65,21 @@ def curves(pipeline: str, classifier: str, needed: Sequence[Row], points_of: lis
     ]
     rows.sort(key=lambda row: -row["area"])
     failed = [row for row in points_of if row.get("error")]
-    by_touches: dict[int, dict[str, Row]] = {}
+    by_touches: dict[int, dict[str, Estimate | None]] = {}
     for row in points_of:
-        by_touches.setdefault(row["place"] + 1, {})[row["strategy"]] = row
+        accuracy = figure_of(row, "accuracy")
+        by_touches.setdefault(row["place"] + 1, {})[row["strategy"]] = accuracy
     return {
         "pipeline": pipeline,
         "classifier": classifier,
-        "rows": rows,
+        "rows": [
+            {**row, "area": figure_of(row, "area"), "gain": figure_of(row, "gain")} for row in rows
+        ],
         "points": points_of,
         "strategies": sorted((row["strategy"] for row in rows), key=strategy_place),
         "by_touches": [
-            {"touches": touches, "points": points} for touches, points in sorted(by_touches.items())
+            {"touches": touches, "accuracy": accuracy}
+            for touches, accuracy in sorted(by_touches.items())
         ],
         "verdict": verdict(rows) if rows else "",
         "refused": [

@@ -10,9 +10,9 @@ from typing import Any, Literal
 from markupsafe import Markup
 
 from visuohaptic.parameters import CostParameters, ExperimentParameters
+from visuohaptic.report.cells import NONE
 from visuohaptic.report.estimates import Figure, figure_of, with_interval
 from visuohaptic.report.questions import Answer
-from visuohaptic.report.tables import NONE
 from visuohaptic.report.wording import (
     duration,
     listed,
@@ -65,7 +65,15 @@ def cost_figures(rows: Sequence[Row], run: ExperimentParameters) -> Row:
     return {
         "rows": rows,
         "timed": bool(timed(rows)),
-        "steps": [{**row, "name": _named(row)} for row in find_steps(rows)],
+        "steps": [
+            {
+                **row,
+                "name": _named(row),
+                "seconds": figure_of(row, "seconds"),
+                "error": figure_of(row, "error"),
+            }
+            for row in find_steps(rows)
+        ],
         "settings": [_setting_row(row) for row in rows],
         "savings": find_savings(rows),
         "robot": on_robot(by_strategy(rows), run.cost),

@@ -15,7 +15,6 @@ from jinja2 import (
     PrefixLoader,
     StrictUndefined,
 )
-from markupsafe import Markup
 
 from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic.evaluation.published import PAPER
@@ -23,7 +22,7 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pictures.imprint_scale import imprint_scale
 from visuohaptic.pictures.model_figure import model_script, model_style
 from visuohaptic.pictures.page_head import content_policy, page_style
-from visuohaptic.report import figures, wording
+from visuohaptic.report import cells, figures, wording
 from visuohaptic.report.cautions import find_warnings
 from visuohaptic.report.chapters import OTHER_OBJECTS, chapters_of
 from visuohaptic.report.drawing import inline_svg
@@ -32,8 +31,7 @@ from visuohaptic.report.objects import describe_objects
 from visuohaptic.report.provenance import phase_seconds
 from visuohaptic.report.run import Run, RunFiles, read_run
 from visuohaptic.report.section import ReportContext, Section, find_sources
-from visuohaptic.report.studies import RECOMPUTED, accuracy_or_error
-from visuohaptic.report.tables import NONE, NUMBER, each, table
+from visuohaptic.report.tables import by_strategy, table
 from visuohaptic.studies.effects.influence import measured_scenes
 
 PAPER_ADDRESS = "https://www.mdpi.com/2504-3900/4/1/47"
@@ -150,19 +148,15 @@ def make_environment(sections: Iterable[Section] = ()) -> Environment:
         "explained": explained,
         "svg": inline_svg,
         "table": table,
-        NUMBER: lambda text: text,
-        "whole_percent": lambda share: wording.percent(share, 0),
-        "exact_percent": lambda share: wording.percent(share, 2),
-        "exact_probability": lambda value: Markup('<data value="{}">{}</data>').format(
-            value, wording.probability(value)
-        ),
-        "accuracy_or_error": accuracy_or_error,
-        "recomputed": RECOMPUTED.__getitem__,
-        "names": lambda names: ", ".join(map(wording.spaced, names)) or NONE,
-        "code": Markup("<code>{}</code>").format,
-        "grouped": lambda value: f"{value:,}" if isinstance(value, int) else value,
+        "whole_percent": cells.whole_percent,
+        "grouped": cells.grouped,
         "error_size": lambda error: "not finite" if error is None else f"{error:.2g}",
     }
     macros = environment.get_template("macros.html.jinja").module
-    environment.globals |= {"charts": figures, "draw": macros, "each": each}
+    environment.globals |= {
+        "charts": figures,
+        "draw": macros,
+        "cells": cells,
+        "by_strategy": by_strategy,
+    }
     return environment

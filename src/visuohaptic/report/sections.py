@@ -20,7 +20,7 @@ from visuohaptic.io.plugins import loaded
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import IntervalParameters, Protocol
 from visuohaptic.report.comparison import PIPELINES, PipelineTable, draws_sentence, gain_sentence
-from visuohaptic.report.cost import compared_sentence, cost_answer, robot_front, robot_price
+from visuohaptic.report.cost import compared_sentence, cost_answer, robot_front
 from visuohaptic.report.cues import carries_sentence, imprints_sentence
 from visuohaptic.report.effects import (
     count_missing,
@@ -34,7 +34,6 @@ from visuohaptic.report.effects import (
     sum_channels,
     sum_effects,
 )
-from visuohaptic.report.estimates import Row
 from visuohaptic.report.leads import PLACES, Lead, run_leads
 from visuohaptic.report.own_fixations import (
     OwnFixations,
@@ -53,8 +52,9 @@ from visuohaptic.report.questions import (
     reproduction_answer,
     strategies_answer,
 )
+from visuohaptic.report.recounting import recount_accuracy, recount_cost, recount_lead
 from visuohaptic.report.run import Run
-from visuohaptic.report.section import ReportContext, Values, files_of_rows, place_of
+from visuohaptic.report.section import ReportContext, Values
 from visuohaptic.report.stability import (
     describe_checks,
 )
@@ -76,66 +76,6 @@ NO_TOUCH = {
     "passed over": "no touch: the sensor can't reach the place, and the sequence goes on with a later place",
     "missing": "no touch: the sequence has no further place in reach",
 }
-
-
-# Python code for readers: it computes a headline number again from the run's own tables.
-_SHARES = """\
-import pandas as pd
-rows = pd.read_parquet({path!r})
-rows = rows[(rows["pipeline"] == {pipeline!r}) & (rows["classifier"] == {classifier!r})]
-right = (rows["predicted"] == rows["class"]).groupby([rows["strategy"], rows["split"], rows["seed"]])
-shares = right.mean().groupby("strategy").mean()
-print({shown})"""
-_LEAD = """\
-import pandas as pd
-rows = pd.read_parquet({path!r}).rename(columns={{"seed": "repeat"}})
-rows = rows.assign(accuracy=rows["predicted"] == rows["class"], sequences=1)
-{further}rows = rows[(rows["pipeline"] == {pipeline!r}) & (rows["classifier"] == {classifier!r})]
-share = rows["sequences"] / rows.groupby(["strategy", "split", "repeat"])["sequences"].transform("sum")
-sums = rows.assign(right=share * rows["accuracy"], weight=share).groupby(["class", "object", "strategy"])
-right, weight = (sums[name].sum().unstack() for name in ("right", "weight"))
-shares = right / weight
-lead = (shares[{first!r}] - shares.filter(regex="^{second}(#|$)").mean(axis=1)).dropna()
-weight = weight.loc[lead.index, {first!r}]
-print(f"{{100 * (lead * weight).sum() / weight.sum():+.1f}} points")"""
-_FURTHER = "rows = pd.concat([rows, pd.read_parquet({path!r})])\n"
-_COST = """\
-import pandas as pd
-rows = pd.read_parquet({path!r})
-row = rows[(rows["family"] == {family!r}) & (rows["setting"] == {setting!r})].iloc[0]
-print(f"{{row['seconds'] + {price:g}:.2f}} s, error rate {{100 * row['error']:.1f}} %")"""
-
-
-def recount_shares(run: Run, table: PipelineTable, shown: str) -> str:
-    """Return Python code that prints accuracies of the headline classifier from the predictions.
-
-    `shown` is the expression to print; its variable ``shares`` has the accuracies by strategy.
-    """
-    path = place_of(run, files_of_rows(run.parts("predictions"), {"pipeline": table.name}))
-    return _SHARES.format(
-        path=path.as_posix(), pipeline=table.name, classifier=table.headline.key, shown=shown
-    )
-
-
-def recount_lead(run: Run, table: PipelineTable, opponent: str = MAIN_OPPONENT) -> str:
-    """Return Python code that prints the lead of fixation over random touches, the mean over all draws."""
-    path = place_of(run, files_of_rows(run.parts("predictions"), {"pipeline": table.name}))
-    drawn = run.parts("drawn")
-    return _LEAD.format(
-        path=path.as_posix(),
-        further=_FURTHER.format(path=place_of(run, drawn).as_posix()) if drawn else "",
-        pipeline=table.name,
-        classifier=table.headline.key,
-        first=table.leading,
-        second=opponent,
-    )
-
-
-def recount_cost(run: Run, row: Row) -> str:
-    """Return Python code that prints a robot's seconds and the error rate of a setting of this run."""
-    path = place_of(run, run.parts("frontier")).as_posix()
-    price = robot_price(row, run.parameters.cost)
-    return _COST.format(path=path, family=row["family"], setting=row["setting"], price=price)
 
 
 def answer_values(context: ReportContext) -> Values:
@@ -179,7 +119,6 @@ def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
         first, fixations = run.pipelines[0], run.parameters.attention.fixations
         touches = min(recognition.touches or fixations, fixations)
         unseen = UNSEEN[recognition.protocol.protocol]
-        accuracy = recount_shares(run, first, f'f"{{100 * shares[{first.leading!r}]:.1f}} %"')
         compared = next((table for table in run.pipelines if has_opponent(table)), first)
         rows = context.frontier["rows"] if context.frontier else []
         carried = _of_own_cues(run, carries_sentence) or compared_sentence(rows, "cues")
@@ -192,7 +131,7 @@ def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
                 run.parameters.meshes.turns,
                 [carried] if carried else [],
             ),
-            accuracy,
+            recount_accuracy(run, first),
         )
         leads = leads_of_run(run)
         yield lead_answer("seeing", leads), recount_lead(run, compared)
@@ -209,8 +148,7 @@ def _other_strategies(run: Run, table: PipelineTable) -> tuple[Answer | None, st
     if answer is None:
         return None, ""
     other = next(name for name in table.headline.comparisons if name not in PLACES)
-    lead = f"100 * (shares[{table.leading!r}] - shares[{other!r}])"
-    return answer, recount_shares(run, table, f'f"{{{lead}:+.1f}} points"')
+    return answer, recount_accuracy(run, table, other)
 
 
 def method_values(context: ReportContext) -> Values:

@@ -8,7 +8,7 @@ from typing import Any
 
 from visuohaptic.evaluation.published import PAPER_PIPELINE
 from visuohaptic.report.comparison import SIGNIFICANCE
-from visuohaptic.report.estimates import Row, figure_of, share_above_interval
+from visuohaptic.report.estimates import Row, figure_of
 from visuohaptic.report.run import Run
 from visuohaptic.report.wording import (
     counted,
@@ -24,13 +24,6 @@ from visuohaptic.tables.studies import STUDY_FIGURES
 
 MOST_NAMED = 5
 """Conditions that a sentence names; further conditions are counted."""
-
-RECOMPUTED = {
-    "recognition": "only the recognition",
-    "features": "descriptors",
-    "touches": "touches",
-    "views": "views, fixations and touches",
-}
 
 
 def read_figures(folder: str | Path | None, study: str) -> list[dict[str, Any]]:
@@ -86,8 +79,9 @@ def _study_table(pipeline: str, classifier: str, cells: list[Row]) -> Row:
     """Return ``rows`` per condition, ``sentences`` per strategy, and ``opponents``, which are compared with fixation."""
     rows: dict[str, dict[str, Any]] = {}
     for cell in cells:
-        row = rows.setdefault(cell["condition"], {**cell, "seconds": 0.0, "cells": {}})
-        row["cells"][cell["strategy"]] = cell
+        row = rows.setdefault(cell["condition"], {**cell, "seconds": 0.0, "by_strategy": {}})
+        changes = {name: figure_of(cell, name) for name in ("difference", "lead")}
+        row["by_strategy"][cell["strategy"]] = {**cell, **changes}
         row["seconds"] += cell["seconds"] or 0.0
     strategies = sorted({cell["strategy"] for cell in cells})
     sentences = {
@@ -113,12 +107,6 @@ def names_of_own_studies(run: Run) -> list[str]:
     """Return the measured studies that are neither part of the package nor bring a section of their own."""
     shown = {*PACKAGED, *section_files(run.files.study_folders)}
     return [file.stem for file in run.parts("studies") if file.stem not in shown]
-
-
-def accuracy_or_error(cell: Row) -> str:
-    """Return the accuracy of a row of `tables.STUDY_FIGURES` with its interval, or why there is none."""
-    accuracy = figure_of(cell, "accuracy")
-    return f"failed: {cell['error']}" if accuracy is None else share_above_interval(accuracy)
 
 
 def _sentence(cells: Sequence[Row]) -> str:

@@ -1,46 +1,32 @@
-"""The tables of the page: rows, columns and their formats."""
+"""The tables of the page: rows, and columns with a function that writes their cells."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, TypeAlias
 
 from jinja2 import Environment, pass_environment
 from markupsafe import Markup
 
 from visuohaptic.evaluation.intervals import Interval
-from visuohaptic.report.estimates import (
-    Figure,
-    above_interval,
-    estimate,
-    figure_of,
-    points_above_interval,
-    share_above_interval,
-)
-from visuohaptic.report.wording import strategy_name, titled
+from visuohaptic.report.cells import NONE, number, titled_strategy
+from visuohaptic.report.estimates import Figure
 
-Column = Sequence[str]
-"""Heading, key and format; without a format the value is shown unchanged."""
+Cell: TypeAlias = Callable[[Any], object]
+"""Writes a value as a cell; the functions of `cells`."""
 
-SHARES = {"percent": share_above_interval, "points": points_above_interval}
-"""Formats of shares and of their differences."""
-
-NUMBER = "number"
-"""The format of a text that is aligned as a number."""
-
-NONE = "\N{EN DASH}"
-"""The text of a cell without a value."""
+Column: TypeAlias = tuple[str, str] | tuple[str, str, Cell]
+"""Heading, name of the value in a row, and the function that writes the value; without it the value is unchanged."""
 
 
-def each(keys: Iterable[str], heading: str, key: str, form: str = "") -> list[Column]:
-    """Return one column per strategy.
+def unchanged(value: object) -> object:
+    """Return the value of a cell that needs no writing."""
+    return value
 
-    ``{}`` in `heading` becomes the strategy's name in words, ``{}`` in `key` its key; `form` is the format.
-    """
-    return [
-        (titled(heading.format(strategy_name(strategy))), key.format(strategy), form)
-        for strategy in keys
-    ]
+
+def by_strategy(strategies: Iterable[str], values: str, cell: Cell = unchanged) -> list[Column]:
+    """Return one column per strategy; rows have a mapping `values` of strategies to values."""
+    return [(titled_strategy(key), f"{values}.{key}", cell) for key in strategies]
 
 
 @pass_environment
@@ -62,27 +48,26 @@ def table(
         A row with a value ``mark`` has that CSS class.
     label : str
         The name of the table for screen readers; unique on the page.
-    columns : sequence of (heading, key, format)
-        The first column has the headings of the rows; columns of numbers are aligned to the right.
-        A key is the name of a value, or several names joined by dots (``accuracy.fixation``); an empty key is the row
-        itself. A format is the name of a filter, several names joined by ``|``, a ``%`` format, or a text for
-        `str.format`. After ``±`` the name of a filter also formats the value's interval.
+    columns : sequence of Column
+        The first column has the headings of the rows; columns of numbers, and of `cells.number`, are aligned to the
+        right. Dots lead to values within values, as in ``accuracy.fixation``. A value None is written as a dash.
     caption : str
         The text above the table; by default the label.
     best : object
         The row of `rows` that is shown in bold.
     """
     listed = list(rows)
+    values = [[_find(row, name) for _, name, *_ in columns] for row in listed]
+    numeric = [
+        number in column or any(_is_number(in_row[index]) for in_row in values)
+        for index, column in enumerate(columns)
+    ]
     cells = [
         (
             "best" if row is best else isinstance(row, Mapping) and row.get("mark"),
-            [_write(environment, row, *column[1:]) for column in columns],
+            [_write(value, *column[2:]) for value, column in zip(in_row, columns, strict=True)],
         )
-        for row in listed
-    ]
-    numeric = [
-        column[-1] == NUMBER or any(_is_number(_find(row, column[1])) for row in listed)
-        for column in columns
+        for row, in_row in zip(listed, values, strict=True)
     ]
     return Markup(  # noqa: S704 - the template escapes
         environment.get_template("table.html.jinja").render(
@@ -100,31 +85,15 @@ def _is_number(value: object) -> bool:
     return isinstance(value, kinds) and not isinstance(value, bool)
 
 
-def _find(row: Any, key: str) -> Any:
-    """Return the value of a key in a row; None if a value on the way is missing."""
-    for name in filter(None, key.split(".")):
+def _find(row: Any, name: str) -> Any:
+    """Return the value of a dotted name in a row; None if a value on the way is missing."""
+    for part in name.split("."):
         if isinstance(row, tuple):
-            row = row[int(name)]
+            row = row[int(part)]
         elif row is not None:
-            row = row.get(name) if isinstance(row, Mapping) else getattr(row, name)
+            row = row.get(part) if isinstance(row, Mapping) else getattr(row, part)
     return row
 
 
-def _write(environment: Environment, row: Any, key: str, form: str = "") -> object:
-    value = _find(row, key)
-    if value is None:
-        return NONE
-    if form.startswith("±"):
-        owner, _, name = key.rpartition(".")
-        figure = estimate(value) if isinstance(value, Interval) else value
-        if not isinstance(figure, Figure):
-            figure = figure_of(_find(row, owner), name) or Figure(value)
-        write = SHARES.get(form[1:])
-        return write(figure) if write else above_interval(figure, environment.filters[form[1:]])
-    if "%" in form:
-        return form % value
-    if "{" in form:
-        return form.format(value)
-    for name in filter(None, form.split("|")):
-        value = environment.filters[name](value)
-    return value
+def _write(value: object, cell: Cell = unchanged) -> object:
+    return NONE if value is None else cell(value)

@@ -13,6 +13,7 @@ from touch_curves import section as section_of_study
 from touch_curves.section import SECTION, curves, draw_curves, verdict
 from touch_curves.study import touches_name
 from touch_curves.tables import TOUCHES_NEEDED
+from visuohaptic.report.estimates import Figure as Estimate
 from visuohaptic.report.page import make_environment
 from visuohaptic.report.studies import read_figures
 from visuohaptic.tables.schema import build_table, write_table
@@ -72,7 +73,7 @@ def test_where_attention_wins_the_words_say_whether_beyond_chance():
 def test_a_plug_in_may_call_its_strategy_as_a_column():
     point = {"strategy": "touches", "place": 0, "accuracy": 0.5}
     found = curves("order_free", "naive_bayes", [], [point])
-    assert found["by_touches"] == [{"touches": 1, "points": {"touches": point}}]
+    assert found["by_touches"] == [{"touches": 1, "accuracy": {"touches": Estimate(0.5)}}]
 
 
 @pytest.mark.parametrize("error", [None, "policy rogue, fit: it raised KeyError: <skin>."])
