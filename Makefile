@@ -94,11 +94,11 @@ meshes: $(READY)
 gaze: $(READY)
 	@python -m human_gaze "$(FOLDER)" $(if $(PEER),--peer "$(PEER)")
 
-# Twenty draws of random places in both pipelines, kept with the package (studies/draws/README.md): make draws SET=benchmark
+# Twenty draws of random places in both pipelines, kept with the study (studies/draws/README.md): make draws SET=benchmark
 draws: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs
 draws: $(READY)
-	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" -- reports/draws.json
-	@python -m draws.keeping $(SET)
+	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" -- results/draws.parquet
+	@python -m visuohaptic.studies.keeping draws $(SET)
 	@python -m draws.make_page
 	@python -m variants.make_page
 	@python docs/make_two_questions.py
@@ -118,11 +118,11 @@ first_touch: $(READY)
 	@python -m visuohaptic.studies.keeping first_touch $(SET)
 	@python -m first_touch.make_page
 
-# Objects turned about the vertical and in any way, kept with the package (studies/turned/README.md): make turned SET=benchmark
+# Objects turned about the vertical and in any way, kept with the study (studies/turned/README.md): make turned SET=benchmark
 turned: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs
 turned: $(READY)
-	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" -- reports/turned.json
-	@python -m turned.keeping $(SET)
+	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" -- results/turned.parquet
+	@python -m visuohaptic.studies.keeping turned $(SET)
 	@python -m turned.make_page
 	@python docs/make_two_questions.py
 

@@ -4,5 +4,5 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
-FOLDERS = ("tests", "packages/contourlets/tests", "packages/meshreaders/tests")
+FOLDERS = ("studies", "tests", "packages/contourlets/tests", "packages/meshreaders/tests")
 sys.path += [str(ROOT / folder) for folder in FOLDERS]

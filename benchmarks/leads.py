@@ -8,15 +8,14 @@ from __future__ import annotations
 
 import argparse
 import functools
-import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from importlib.resources import files
 
 import numpy as np
 from scipy.special import ndtr, ndtri, stdtrit
 from scipy.stats import beta
 
 from benchmarks import intervals
+from turned.kept import HEADLINE_TOUCHES, read_turned
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.evaluation.intervals import (
     DIFFERENCE,
@@ -53,15 +52,12 @@ LEADS = (0.0, 0.05, 0.1)
 
 def kept_leads() -> Iterator[tuple[FloatArray, tuple[str, ...]]]:
     """Yield the kept leads of fixation by five touches on 142 objects, and the objects' classes."""
-    text = files("visuohaptic.report").joinpath("turned.json").read_text(encoding="utf-8")
-    kept = json.loads(text)["benchmark"]
-    classes = np.array([name.split("/")[0] for name in kept["objects"]])
+    kept = read_turned()["benchmark"]
+    classes = np.array(kept.classes)
     cells = {
-        (cell["turns"], cell["known"], cell["pipeline"], cell["strategy"]): np.array(
-            cell["accuracy"], dtype=float
-        )
-        for cell in kept["cells"]
-        if cell["touches"] == 5
+        (cell.turns, cell.known, cell.pipeline, cell.strategy): cell.accuracy
+        for cell in kept.cells
+        if cell.touches == HEADLINE_TOUCHES
     }
     for (turns, known, pipeline, strategy), values in cells.items():
         if strategy == "fixation" and (turns, known) in KEPT_FRAMES:

@@ -9,15 +9,18 @@ from typing import Any
 
 from filling import DOCS, SETS, fill_page, read_json, share, table
 
+from turned.kept import read_turned
+from turned.leads import KeptLeads, question_sentence, read_kept_leads
+from turned.rows import turned_rows
 from visuohaptic.evaluation.leads import Question
 from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.comparison import pipeline_tables
 from visuohaptic.report.cues import carries_sentence
-from visuohaptic.report.leads import KeptLeads, Lead, question_sentence, read_kept_leads, run_leads
+from visuohaptic.report.leads import Lead, run_leads
 from visuohaptic.report.questions import QUESTIONS, Answer, lead_answer, recognition_answer
-from visuohaptic.report.turned import POSES, read_turned, turned_rows
 from visuohaptic.report.variants import papers_pipeline_sentences, read_variants
+from visuohaptic.report.wording import POSES
 from visuohaptic_workflow.closing import REPORT, describe_results
 
 ROOT = DOCS.parent
@@ -97,14 +100,14 @@ def answers(metrics: dict[str, Any]) -> str:
     tables = pipeline_tables(metrics)
     kept = read_kept_leads(IntervalParameters())
     if kept is None:
-        raise FileNotFoundError("the package has no kept leads; run `make draws SET=benchmark`.")
+        raise FileNotFoundError("no leads of 142 objects are kept; run `make draws SET=benchmark`.")
     leads = run_leads(metrics, {one.name: one.headline.key for one in tables}, "none", "full")
     recognised = recognition_answer(
         tables,
         len(tables[0].best.class_accuracy["fixation"]),
         5,
         UNSEEN,
-        beside=(
+        caveats=(
             carries_sentence("paper", IntervalParameters()),
             papers_pipeline_sentences(read_variants()),
         ),
@@ -119,8 +122,8 @@ def answers(metrics: dict[str, Any]) -> str:
 def _answer_lines(answer: Answer) -> str:
     """Write an answer as a paragraph and one list item per further sentence."""
     first = f"**{answer.question}** {answer.finding}: {answer.number} {answer.sentence}"
-    lines = [_wrapped(first), ""] if answer.beside else [_wrapped(first)]
-    lines += [_wrapped(f"- {sentence}", "  ") for sentence in answer.beside]
+    lines = [_wrapped(first), ""] if answer.caveats else [_wrapped(first)]
+    lines += [_wrapped(f"- {sentence}", "  ") for sentence in answer.caveats]
     return "\n".join(lines)
 
 

@@ -7,12 +7,13 @@ from typing import get_args
 
 from filling import DOCS, fill_page, table
 
+from turned.leads import KeptLeads, question_sentence, read_kept_leads
 from visuohaptic.evaluation.intervals import holm
 from visuohaptic.evaluation.leads import Question
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report import figures
 from visuohaptic.report.estimates import Figure, with_interval
-from visuohaptic.report.leads import KeptLeads, Lead, question_sentence, read_kept_leads
+from visuohaptic.report.leads import Lead
 from visuohaptic.report.questions import QUESTIONS
 from visuohaptic.report.wording import points, probability, titled
 

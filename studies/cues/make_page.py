@@ -20,8 +20,8 @@ from visuohaptic.report.cues import (
     kept_cues,
 )
 from visuohaptic.report.estimates import Figure, with_interval
-from visuohaptic.report.turned import KNOWN, POSES
-from visuohaptic.report.wording import percent, points, strategy_name
+from visuohaptic.report.leads import KNOWN
+from visuohaptic.report.wording import POSES, percent, points, strategy_name
 
 PAGE = Path(__file__).parent / "README.md"
 INTERVALS = IntervalParameters()

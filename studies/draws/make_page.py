@@ -6,8 +6,8 @@ from pathlib import Path
 
 from filling import fill_page, points, share, table
 
+from draws.kept import KeptDraws, read_draws, read_kept
 from draws.study import RANDOM
-from visuohaptic.report.draws import KeptDraws, read_draws, read_kept
 from visuohaptic.report.leads import PLACES
 from visuohaptic.report.wording import classifier_name, percent_points
 
@@ -33,7 +33,7 @@ def blocks() -> dict[str, str]:
 def _row(kept: KeptDraws) -> list[object]:
     leads = kept.lead.leads
     return [
-        kept.set,
+        kept.source.set,
         kept.objects,
         f"{kept.pipeline}, {classifier_name(kept.classifier)}",
         PLACES[kept.opponent].removeprefix("random places "),
@@ -44,8 +44,8 @@ def _row(kept: KeptDraws) -> list[object]:
         points(kept.lead.mean),
         points(max(leads)),
         percent_points(kept.lead.standard_deviation),
-        kept.commit[:12],
-        kept.date,
+        kept.source.commit[:12],
+        kept.source.date,
     ]
 
 

@@ -49,10 +49,11 @@ STUDY = Study(
     steps=(
         Step(
             "draws",
-            "draws.keeping:make_draws",
-            ("reports/draws.json",),
+            "draws.accuracies:make_draws",
+            ("results/draws.parquet",),
             needs={"include": {"meshes": {"set"}}},
         ),
     ),
     has_figures=False,
+    kept="results/draws.parquet",
 )

@@ -17,8 +17,8 @@ from visuohaptic.attention.registry import CHANNELS
 from visuohaptic.evaluation.intervals import PairedComparison, holm
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.estimates import estimate, with_interval
-from visuohaptic.report.turned import KNOWN, POSES
-from visuohaptic.report.wording import probability
+from visuohaptic.report.leads import KNOWN
+from visuohaptic.report.wording import POSES, probability
 from visuohaptic.studies.keeping import kept_files
 
 PAGE = Path(__file__).parent / "README.md"

@@ -11,26 +11,20 @@ from filling import COLOURS, fill_page, table
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.report.estimates import with_interval
-from visuohaptic.report.turned import (
+from turned.kept import HEADLINE_TOUCHES, KNOWN, TurnedSet, read_turned
+from turned.rows import (
     FRAMES_OF_POSES,
-    HEADLINE_TOUCHES,
-    KNOWN,
-    POSES,
-    STATISTICS,
-    STRATEGIES,
-    TRAINED_UPRIGHT,
     CellName,
     TurnedRow,
-    TurnedSet,
     contrast,
     curve_rows,
     frame_rows,
-    read_turned,
     turned_rows,
 )
-from visuohaptic.report.wording import classifier_name, percent, points, strategy_name
+from turned.study import STATISTICS, STRATEGIES, TRAINED_UPRIGHT
+from visuohaptic.recognition.parameters import IntervalParameters
+from visuohaptic.report.estimates import with_interval
+from visuohaptic.report.wording import POSES, classifier_name, percent, points, strategy_name
 
 PAGE = Path(__file__).parent / "README.md"
 PICTURE = PAGE.with_name("turned.png")
@@ -76,7 +70,7 @@ def blocks() -> dict[str, str]:
     by_length = ["objects", "pose", "known of the frame", "touches by"]
     lines = [line for name in sets for line in _curves(curves[name], lengths)]
     sources = ", ".join(
-        f"{name}: commit {kept[name].commit[:12]}, {kept[name].date}" for name in sets
+        f"{name}: commit {kept[name].source.commit[:12]}, {kept[name].source.date}" for name in sets
     )
     source = textwrap.fill(f"Measured once and kept; {sources}.", 100, break_on_hyphens=False)
     return {
@@ -84,7 +78,7 @@ def blocks() -> dict[str, str]:
         "frames": table(known, five),
         "lengths": table([*by_length, *(_counted(length) for length in lengths)], lines),
         "compared": table(
-            ["by fixation, in pairs over objects", *(f"{_reporting(kept[name])} objects" for name in sets)],
+            ["by fixation, in pairs over objects", *(f"{_held_out(kept[name])} objects" for name in sets)],
             [
                 [label, *(_plain(with_interval(contrast(kept[name], [first], [second], intervals), points)) for name in sets)]
                 for label, (first, second) in compared().items()
@@ -155,7 +149,7 @@ def _known(row: TurnedRow) -> list[object]:
             _plain(with_interval(accuracy, percent))
             for accuracy in (row.fixation, row.random, row.visible)
         ),
-        *(_plain(with_interval(lead, points)) for lead in (row.lead, row.salience)),
+        *(_plain(with_interval(lead, points)) for lead in (row.lead, row.saliency_gain)),
     ]
 
 
@@ -174,8 +168,8 @@ def _counted(touches: int) -> str:
     return f"{touches} touch{'' if touches == 1 else 'es'}"
 
 
-def _reporting(kept: TurnedSet) -> int:
-    return int(kept.reports.sum())
+def _held_out(kept: TurnedSet) -> int:
+    return int(kept.held_out.sum())
 
 
 def _plain(text: str) -> str:

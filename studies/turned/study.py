@@ -9,9 +9,23 @@ from draws.study import literal_changes
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import Frame
-from visuohaptic.report.turned import POSES, STATISTICS, STRATEGIES, Known
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS, ONE_CLASSIFIER
 from visuohaptic.studies.study import DUMP_FOR_CONDITIONS, Changes, Condition, Step, Study
+
+Known = Literal["statistics", "none", "centre", "vertical", "full", "trained_upright"]
+"""The part of the object's frame that descriptors use: `recognition.frame`, `STATISTICS` or `TRAINED_UPRIGHT`."""
+
+STATISTICS: Literal["statistics"] = "statistics"
+"""Nothing of the frame is known; touches and pairs of touches are described only by statistics, without waves."""
+
+TRAINED_UPRIGHT: Literal["trained_upright"] = "trained_upright"
+"""The full frame is assumed, and the pipeline was fitted on objects that stand upright and face one way."""
+
+STRATEGIES = ("fixation", "random", "random_visible")
+"""Touches by fixation, at random places in reach, and at random places in sight."""
+
+POSES = get_args(Turns)
+"""The poses of the objects, as `meshes.turns`."""
 
 DRAWS = 5
 """Number of draws of the turns."""
@@ -96,10 +110,11 @@ STUDY = Study(
         ),
         Step(
             "turned",
-            "turned.keeping:make_turned",
-            ("reports/turned.json",),
+            "turned.accuracies:make_turned",
+            ("results/turned.parquet",),
             needs={"include": {"meshes": {"set"}}},
         ),
     ),
     has_figures=False,
+    kept="results/turned.parquet",
 )

@@ -9,14 +9,13 @@ from dataclasses import replace
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from turned.study import DRAWS, name_of
+from turned.study import DRAWS, POSES, STRATEGIES, TRAINED_UPRIGHT, name_of
 from turned.study import STUDY as TURNED
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.experiment import predict_splits
 from visuohaptic.recognition.pipelines import pipeline_of
 from visuohaptic.recognition.sequences import gather_pipeline
 from visuohaptic.recognition.splits import Split, draw_splits
-from visuohaptic.report.turned import POSES, STRATEGIES, TRAINED_UPRIGHT
 from visuohaptic.studies.conditions import Planned, plan_study, touches_of_run
 from visuohaptic.studies.measuring import Predictions, cell_rows, condition_features, error_rows
 from visuohaptic.studies.refusals import REFUSALS

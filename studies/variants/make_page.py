@@ -9,12 +9,12 @@ from pathlib import Path
 
 from filling import DOCS, fill_page, points, share, table
 
+from draws.kept import read_draws
 from variants.choices import BEST_OF_PAPER, BY_NAME, OPPONENTS
 from variants.design import is_default, is_literal
 from variants.kept import OUTSIDE, PAPER_SET, kept_variants
 from variants.leads import count_after_holm, leads_by_option, strongest_pair, sum_up
 from variants.verdicts import lead_evidence, of_papers_question, verdict
-from visuohaptic.report.draws import read_draws
 from visuohaptic.report.wording import percent_points
 from visuohaptic.studies.figures import Row
 
@@ -125,7 +125,7 @@ def draws_sentence() -> str:
     spread = percent_points(kept.lead.standard_deviation)
     text = (
         f"Each variant has one draw of its random places. In {kept.lead.count} draws of the default on the paper's "
-        f"set (commit {kept.commit[:12]}) the lead lies between {points(min(kept.lead.leads))} and "
+        f"set (commit {kept.source.commit[:12]}) the lead lies between {points(min(kept.lead.leads))} and "
         f"{points(max(kept.lead.leads))} points, standard deviation {spread}: the typical change of a lead from one "
         "draw to another."
     )

@@ -238,7 +238,7 @@ def test_the_page_on_places_out_of_reach_shows_the_figures_that_are_kept(run_scr
 
 
 @pytest.mark.parametrize("study", ["baselines", "cues", "draws", "known_objects", "turned"])
-def test_the_page_of_a_study_shows_what_the_library_keeps(study, run_script):
+def test_the_page_of_a_study_shows_what_the_study_keeps(study, run_script):
     made = run_script(f"studies/{study}/make_page")
     for block, content in made["blocks"]().items():
         assert f"<!-- {block} -->\n{content}\n<!-- /{block} -->" in made["PAGE"].read_text()

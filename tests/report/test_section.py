@@ -23,11 +23,11 @@ from studies.trust.test_section import write_trust
 from eye_and_touch.summary import sum_up_senses
 from eye_and_touch.tables import EYE_AND_TOUCH
 from visuohaptic.evaluation.summary import select
-from visuohaptic.report.chapters import OTHER_OBJECTS, chapters_of
+from visuohaptic.report.chapters import chapters_of
 from visuohaptic.report.page import render_page
 from visuohaptic.report.recounting import recount_accuracy, recount_cost
 from visuohaptic.report.run import find_run, read_run
-from visuohaptic.report.section import ReportContext, files_of_rows, find_sources
+from visuohaptic.report.section import OTHER_OBJECTS, ReportContext, files_of_rows, find_sources
 from visuohaptic.report.sections import answer_values
 from visuohaptic.report.wording import duration
 from visuohaptic.studies.figures import write_json

@@ -10,9 +10,15 @@ from __future__ import annotations
 from visuohaptic.base.errors import ReportError
 from visuohaptic.report import sections
 from visuohaptic.report.glossary import WORDS
-from visuohaptic.report.measured_before import MEASURED_BEFORE, OTHER_OBJECTS
+from visuohaptic.report.measured_before import MEASURED_BEFORE
 from visuohaptic.report.run import Run
-from visuohaptic.report.section import Section, SourceTable, figures_of, study_sections
+from visuohaptic.report.section import (
+    OTHER_OBJECTS,
+    Section,
+    SourceTable,
+    figures_of,
+    study_sections,
+)
 from visuohaptic.report.studies import names_of_own_studies
 from visuohaptic.tables.phases import EFFECTS, FEATURES, FIXATIONS, PREDICTIONS, TOUCHES, VIEWS
 from visuohaptic.tables.stability import STABILITY

@@ -1,46 +1,24 @@
-"""The leads of one way to choose places over another, in words: answers to the two questions of the experiment.
-
-A run has leads of its own objects in ``reports/metrics.json``. Leads of more objects, of turned objects and of the most
-literal variant of the paper are kept with the package (`draws` and `turned`).
-"""
+"""The leads of one way to choose places over another, and the rule by which they answer a question of the experiment."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-import numpy as np
-
-from visuohaptic.evaluation.draws import ObjectAccuracies, in_common, lead_over_draws
-from visuohaptic.evaluation.intervals import compare_paired, holm
-from visuohaptic.evaluation.leads import LEADS, LEADS_OF, LeadName, Question
+from visuohaptic.evaluation.intervals import holm
+from visuohaptic.evaluation.leads import LEADS, LeadName
 from visuohaptic.geometry.turning import Turns
-from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.report.draws import KeptSet, kept_accuracies, read_kept, tested_accuracies
-from visuohaptic.report.estimates import Figure, both_intervals, estimate
-from visuohaptic.report.estimates import lead as lead_figure
+from visuohaptic.recognition.parameters import Frame
+from visuohaptic.report.estimates import Figure
 from visuohaptic.report.estimates import measured as measured_figure
-from visuohaptic.report.turned import (
-    HEADLINE_TOUCHES,
-    KNOWN,
-    POSES,
-    STATISTICS,
-    TRAINED_UPRIGHT,
-    Known,
-    TurnedSet,
-    read_turned,
-)
-from visuohaptic.report.wording import counted, listed, percent_points, pipeline_name, points
+from visuohaptic.report.wording import POSES, pipeline_name
 
 SIGNIFICANCE = 0.05
 """A lead is shown if its p value, corrected by Holm for the number of leads of the question, is below this level."""
 
 MARGIN = 0.05
 """The largest lead, as a share, that an answer ``no`` may leave open: a lead of five points."""
-
-LARGEST_SET = "benchmark"
-"""The set of objects with the kept leads of more objects than a run has."""
 
 Word = Literal["yes", "no", "not settled"]
 
@@ -54,21 +32,13 @@ PLACES: Mapping[str, str] = {
 }
 """The places of the compared strategies, in words."""
 
-_PIPELINES = ("paper", "literal", "order_free")
-_LEFT_OUT = (STATISTICS, TRAINED_UPRIGHT)
-
-
-_Condition = tuple[str, Turns, Known]
-"""Pipeline, turns, and known part of the frame."""
-
-
-@dataclass(frozen=True)
-class _Measured:
-    """The accuracies of a strategy: means over `count` draws, and each draw if all were kept."""
-
-    mean: ObjectAccuracies
-    count: int
-    draws: Sequence[ObjectAccuracies] = ()
+KNOWN: Mapping[Frame, str] = {
+    "full": "all",
+    "vertical": "centre and vertical",
+    "centre": "centre",
+    "none": "nothing",
+}
+"""The known part of the objects' frame, `recognition.frame`, in words."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +68,7 @@ class Lead:
     name: LeadName
     pipeline: str
     turns: Turns
-    known: Known
+    known: Frame
     draws: int
     objects: int
     difference: Figure
@@ -155,59 +125,13 @@ class Verdict:
     excluded: float | None
 
 
-@dataclass(frozen=True)
-class KeptLeads:
-    """The kept leads of a set of objects, with the days of their measurement."""
-
-    leads: tuple[Lead, ...]
-    objects: int
-    dates: tuple[str, ...]
-
-    def of(self, question: Question) -> tuple[Lead, ...]:
-        """Return the leads of a question."""
-        return tuple(lead for lead in self.leads if lead.name in LEADS_OF[question])
-
-    def by_class(self) -> list[tuple[Lead, ...]]:
-        """Return the leads of each pipeline in its first condition, to be shown by class."""
-        conditions = dict.fromkeys((lead.pipeline, lead.condition) for lead in self.leads)
-        first = dict(reversed(list(conditions)))
-        return [
-            tuple(lead for lead in self.leads if lead.condition == first[pipeline])
-            for pipeline in dict.fromkeys(pipeline for pipeline, _ in conditions)
-        ]
-
-
 def name_of_pipeline(name: str) -> str:
     """Return a pipeline or the most literal variant of the paper in words."""
     return "the most literal variant" if name == "literal" else pipeline_name(name)
 
 
-def read_kept_leads(intervals: IntervalParameters, name: str = LARGEST_SET) -> KeptLeads | None:
-    """Read the kept leads of a set of objects; None if the package has none of the set.
-
-    Leads of upright objects with the whole frame known are means over draws of the places, all other leads are means
-    over draws of the turns. Raises `ReportError` if a kept file is damaged.
-    """
-    drawn, turned = read_kept().get(name), read_turned().get(name)
-    by_condition: dict[_Condition, dict[str, _Measured]] = {}
-    if drawn is not None:
-        by_condition |= _of_draws(drawn)
-    if turned is not None:
-        by_condition = {**_of_turns(turned), **by_condition}
-    leads = [
-        _lead(lead, condition, measured[plus], measured[minus], intervals)
-        for condition, measured in by_condition.items()
-        for lead, (plus, minus) in LEADS.items()
-        if plus in measured and minus in measured
-    ]
-    if not leads:
-        return None
-    dates = tuple(sorted({kept.date for kept in (drawn, turned) if kept is not None}))
-    return KeptLeads(tuple(sorted(leads, key=_place)), max(one.objects for one in leads), dates)
-
-
 def run_leads(
-    metrics: Mapping[str, Any], classifiers: Mapping[str, str], turns: Turns, known: Known
+    metrics: Mapping[str, Any], classifiers: Mapping[str, str], turns: Turns, known: Frame
 ) -> tuple[Lead, ...]:
     """Return the leads of a run's own objects.
 
@@ -270,142 +194,3 @@ def _evidence(lead: Lead, over: Over) -> tuple[float, float | None]:
     if over == "objects":
         return lead.p_value, lead.difference.high
     return lead.p_value_new_classes, lead.difference.new_classes_high
-
-
-def lead_in_words(lead: Lead) -> str:
-    """Return a lead with its intervals, such as ``+2.0 points (new objects −1.0 to +5.0, new classes −4.0 to +8.0)``."""
-    return (
-        f"{points(lead.difference.mean)} points {both_intervals(lead.difference, points)}".rstrip()
-    )
-
-
-def question_sentence(question: Question, kept: KeptLeads) -> str:
-    """Answer a question by kept leads: a short sentence, and the evidence."""
-    found = verdict(kept.of(question))
-    said = _salience(found) if question == "salience" else _seeing(found)
-    return f"{said} ({counted(kept.objects, 'object')}, measured on {listed(kept.dates)})."
-
-
-def _seeing(found: Verdict) -> str:
-    """Return in which poses seeing helps, and the number of comparisons in which places that are seen are ahead."""
-    poses = [turns for turns in POSES if any(lead.turns == turns for lead in found.leads)]
-    helped = [turns for turns in poses if any(lead.turns == turns for lead in found.ahead)]
-    headline = "Seeing is not shown to help to choose places."
-    if helped:
-        others = [turns for turns in poses if turns not in helped]
-        rest = f", and is not shown to help if they are {_poses(others)}" if others else ""
-        headline = f"Seeing can help if objects are {_poses(helped)}{rest}."
-    drawn = verdict(found.leads, "classes")
-    return (
-        f"{headline} In {len(found.ahead) or 'none'} of {counted(len(found.leads), 'comparison')} places that are seen are "
-        f"ahead of random places in reach{_most(found.ahead, max)}, and in {len(found.behind) or 'none'} they are "
-        f"behind{_most(found.behind, min)}; for new classes, too, they are ahead in {len(drawn.ahead) or 'none'} and behind "
-        f"in {len(drawn.behind) or 'none'}"
-    )
-
-
-def _poses(turns: Sequence[Turns]) -> str:
-    """Return poses of objects in words."""
-    if [*turns] == ["none", "vertical"]:
-        return "upright"
-    return " or ".join(POSES[one] for one in turns)
-
-
-def _most(leads: Sequence[Lead], end: Callable[..., Lead]) -> str:
-    """Return the largest or smallest lead with its condition, after a comma; empty without leads."""
-    if not leads:
-        return ""
-    most = end(leads, key=lambda lead: lead.difference.mean)
-    return f",{' most of all' * (len(leads) > 1)} in {most.condition} ({lead_in_words(most)})"
-
-
-def _salience(found: Verdict) -> str:
-    """Return in how many conditions fixations are ahead of random places in sight, and the excluded lead."""
-    count = counted(len(found.leads), "condition")
-    behind = ""
-    if found.behind:
-        behind = f"; fixations are behind in {len(found.behind)}{_most(found.behind, min)}"
-    if found.ahead:
-        return (
-            f"Salience helps in {len(found.ahead)} of {count}. Fixations are ahead of random places in "
-            f"sight{_most(found.ahead, max)}{behind}"
-        )
-    excluded = ""
-    if found.excluded is not None:
-        end = verdict(found.leads, "classes").excluded
-        more = (
-            ""
-            if end is None
-            else f"; for new classes only a lead above {percent_points(end)} points is excluded"
-        )
-        excluded = (
-            f". A lead above {percent_points(found.excluded)} points is excluded in each{more}"
-        )
-    helps = (
-        "Salience does not help on objects of these classes"
-        if found.word == "no"
-        else "Salience is not shown to help"
-    )
-    return f"{helps}. In none of {count} are fixations ahead of random places in sight{excluded}{behind}"
-
-
-def _of_draws(kept: KeptSet) -> dict[_Condition, dict[str, _Measured]]:
-    """Return the accuracies of upright objects, by condition and strategy."""
-    return {
-        (pipeline, "none", "full"): {
-            strategy: _Measured(drawn.mean, len(drawn.draws), drawn.draws)
-            for strategy, drawn in kept_accuracies(kept, pipeline).items()
-        }
-        for pipeline in kept.pipelines
-    }
-
-
-def _of_turns(kept: TurnedSet) -> dict[_Condition, dict[str, _Measured]]:
-    """Return the accuracies of turned objects after `HEADLINE_TOUCHES`, by condition and strategy."""
-    found: dict[_Condition, dict[str, _Measured]] = {}
-    for cell in kept.cells:
-        if cell.touches == HEADLINE_TOUCHES and cell.known not in _LEFT_OUT:
-            mean = tested_accuracies(kept.objects, cell.accuracy, cell.weights)
-            by_strategy = found.setdefault((cell.pipeline, cell.turns, cell.known), {})
-            by_strategy[cell.strategy] = _Measured(mean, cell.draws)
-    return found
-
-
-def _lead(
-    name: LeadName,
-    condition: _Condition,
-    first: _Measured,
-    second: _Measured,
-    intervals: IntervalParameters,
-) -> Lead:
-    """Compute a lead; the objects that both strategies tested are not empty."""
-    plus, minus = in_common(first.mean, second.mean)
-    compared = compare_paired(plus.accuracy, minus.accuracy, plus.weights, intervals, plus.classes)
-    categories = np.array(plus.classes)
-    by_class = {}
-    for category in np.unique(categories).tolist():
-        rows = categories == category
-        of_class = compare_paired(
-            plus.accuracy[rows], minus.accuracy[rows], plus.weights[rows], intervals
-        )
-        by_class[category] = estimate(of_class.difference)
-    over_draws = lead_over_draws(first.mean, second.draws) if second.draws else None
-    return Lead(
-        name,
-        *condition,
-        second.count,
-        len(plus.objects),
-        lead_figure(compared),
-        over_draws.standard_deviation if over_draws else 0.0,
-        by_class,
-    )
-
-
-def _place(lead: Lead) -> tuple[int, ...]:
-    """Return a sorting key: the paper's pipeline first, upright first, from all to nothing known."""
-    return (
-        _PIPELINES.index(lead.pipeline),
-        list(POSES).index(lead.turns),
-        list(KNOWN).index(lead.known),
-        list(LEADS).index(lead.name),
-    )

@@ -24,13 +24,13 @@ from visuohaptic.pictures.model_figure import model_script, model_style
 from visuohaptic.pictures.page_head import content_policy, page_style
 from visuohaptic.report import cells, figures, wording
 from visuohaptic.report.cautions import find_warnings
-from visuohaptic.report.chapters import OTHER_OBJECTS, chapters_of
+from visuohaptic.report.chapters import chapters_of
 from visuohaptic.report.drawing import inline_svg
 from visuohaptic.report.glossary import explained
 from visuohaptic.report.objects import describe_objects
 from visuohaptic.report.provenance import phase_seconds
 from visuohaptic.report.run import Run, RunFiles, read_run
-from visuohaptic.report.section import ReportContext, Section, find_sources
+from visuohaptic.report.section import OTHER_OBJECTS, ReportContext, Section, find_sources
 from visuohaptic.report.tables import by_strategy, table
 from visuohaptic.studies.effects.influence import measured_scenes
 

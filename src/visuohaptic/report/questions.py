@@ -21,8 +21,8 @@ from visuohaptic.report.leads import (
     name_of_pipeline,
     verdict,
 )
-from visuohaptic.report.turned import POSES
 from visuohaptic.report.wording import (
+    POSES,
     counted,
     listed,
     percent,

@@ -23,6 +23,9 @@ from visuohaptic.tables.schema import Schema
 from visuohaptic.tables.schemas import SCHEMAS
 from visuohaptic.tables.studies import STUDY_FIGURES
 
+OTHER_OBJECTS = "Other objects"
+"""The chapter of results that were measured before on named objects; the page folds its sections."""
+
 Values = Mapping[str, Any]
 Rows = Mapping[str, str | int]
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.evaluation.published import PAPER_PIPELINE
+from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.classifiers import CLASSIFIERS
 
 ADAPTIVE = "adaptive touching"
@@ -18,6 +19,13 @@ CONTACT_STATES = {
     "at_minimum": "the object penetrates even the smallest square",
     "blocked": "another part of the object is in the way of the approaching sensor",
 }
+
+POSES: Mapping[Turns, str] = {
+    "none": "upright, facing one way",
+    "vertical": "upright, turned about the vertical",
+    "any": "turned in any way",
+}
+"""The poses of the objects in words, by `meshes.turns`."""
 
 _NO_BREAK = "\N{NO-BREAK SPACE}"
 _MINUS = "\N{MINUS SIGN}"

@@ -1,54 +1,23 @@
-"""Kept accuracies of turned objects: measured once and stored with the package, by set of objects.
-
-`make turned` measures them and writes `turned.json` beside this file (studies/turned/README.md).
-"""
+"""Accuracies of turned objects in rows, by pose, known part of the frame, and number of touches."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from importlib.resources import files
-from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict
 
-from visuohaptic.base.arrays import BoolArray, FloatArray
+from turned.kept import HEADLINE_TOUCHES, KNOWN, TurnedCell, TurnedSet
+from turned.study import STRATEGIES, Known
+from visuohaptic.base.arrays import BoolArray
 from visuohaptic.base.errors import ReportError
 from visuohaptic.evaluation.intervals import class_interval, compare_differences, object_interval
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.report.estimates import Figure, estimate, lead, read_json
-
-KEPT = "turned.json"
-
-POSES: Mapping[Turns, str] = {
-    "none": "upright, facing one way",
-    "vertical": "upright, turned about the vertical",
-    "any": "turned in any way",
-}
-"""The poses of the objects in words, by `meshes.turns`."""
-
-Known = Literal["statistics", "none", "centre", "vertical", "full", "trained_upright"]
-"""The part of the object's frame that descriptors use: `recognition.frame`, `STATISTICS` or `TRAINED_UPRIGHT`."""
-
-STATISTICS: Literal["statistics"] = "statistics"
-"""Nothing of the frame is known; touches and pairs of touches are described only by statistics, without waves."""
-
-TRAINED_UPRIGHT: Literal["trained_upright"] = "trained_upright"
-"""The full frame is assumed, and the pipeline was fitted on objects that stand upright and face one way."""
-
-KNOWN: Mapping[Known, str] = {
-    "full": "all",
-    "vertical": "centre and vertical",
-    "centre": "centre",
-    "none": "nothing",
-    STATISTICS: "nothing, without waves",
-    TRAINED_UPRIGHT: "all is assumed, fitted on upright objects",
-}
-"""The known part of the frame, in words."""
+from visuohaptic.report.estimates import Figure, estimate, lead
+from visuohaptic.report.wording import POSES
 
 FRAMES_OF_POSES: tuple[tuple[Turns, Known], ...] = (
     ("none", "full"),
@@ -57,53 +26,6 @@ FRAMES_OF_POSES: tuple[tuple[Turns, Known], ...] = (
     ("any", "none"),
 )
 """Turns and known part of the frame, for objects turned about exactly the unknown part."""
-
-STRATEGIES = ("fixation", "random", "random_visible")
-"""Touches by fixation, at random places in reach, and at random places in sight."""
-
-HEADLINE_TOUCHES = 5
-"""Touches per sequence in the table beside the headline."""
-
-
-class TurnedCell(BaseModel):
-    """Accuracies per object, means over the draws of the turns; None where an object was not tested."""
-
-    model_config = ConfigDict(frozen=True)
-
-    turns: Turns
-    known: Known
-    touches: int
-    pipeline: str
-    strategy: str
-    classifier: str
-    draws: int
-    accuracy: tuple[float | None, ...]
-    weights: tuple[float | None, ...]
-
-
-class TurnedSet(BaseModel):
-    """The accuracies of one set of objects, ``class/name``, with commit and date (UTC) of the measurement.
-
-    Descriptors and settings were chosen on the objects in `choosing`.
-    """
-
-    model_config = ConfigDict(frozen=True)
-
-    commit: str
-    date: str
-    objects: tuple[str, ...]
-    choosing: tuple[str, ...]
-    cells: tuple[TurnedCell, ...]
-
-    @property
-    def classes(self) -> tuple[str, ...]:
-        """The class of each object."""
-        return tuple(name.partition("/")[0] for name in self.objects)
-
-    @property
-    def reports(self) -> BoolArray:
-        """Whether an object took no part in choosing descriptors and settings, shape (o,)."""
-        return ~np.isin(self.objects, self.choosing)
 
 
 class CellName(NamedTuple):
@@ -185,27 +107,13 @@ class TurnedRow:
         return self._figure("fixation", "random")
 
     @cached_property
-    def salience(self) -> Figure:
+    def saliency_gain(self) -> Figure:
         """Fixation minus random places in sight."""
         return self._figure("fixation", "random_visible")
 
     def _figure(self, plus: str, *minus: str) -> Figure:
         subtracted = [self.cells[name] for name in minus]
         return _figure([self.cells[plus]], subtracted, self.intervals, self.classes, self.tested)
-
-
-def read_turned(path: Path | None = None) -> dict[str, TurnedSet]:
-    """Read the kept accuracies, by set of objects.
-
-    `path` is a file that `make turned` wrote; by default the file of the package. Raises `ReportError` if the file is
-    damaged.
-    """
-    return read_json(
-        Path(str(files("visuohaptic.report").joinpath(KEPT))) if path is None else path,
-        lambda stored: {name: TurnedSet.model_validate(kept) for name, kept in stored.items()},
-        "holds no kept accuracies of turned objects",
-        "run `make turned` again",
-    )
 
 
 def turned_rows(kept: TurnedSet, intervals: IntervalParameters) -> list[TurnedRow]:
@@ -219,23 +127,23 @@ def turned_rows(kept: TurnedSet, intervals: IntervalParameters) -> list[TurnedRo
 def frame_rows(kept: TurnedSet, intervals: IntervalParameters) -> list[TurnedRow]:
     """Return the accuracies of pipeline `order_free`, one row per pose and known part of the frame.
 
-    Means are over the objects in `kept.reports`.
+    Means are over the objects in `kept.held_out`.
     """
     chosen = ("order_free", HEADLINE_TOUCHES)
     cells = [cell for cell in kept.cells if (cell.pipeline, cell.touches) == chosen]
-    return list(_rows(cells, intervals, kept.classes, kept.reports))
+    return list(_rows(cells, intervals, kept.classes, kept.held_out))
 
 
 def curve_rows(kept: TurnedSet, intervals: IntervalParameters) -> list[TurnedRow]:
     """Return the accuracies of pipeline `order_free` by number of touches per sequence.
 
     Only poses and frames that were measured with several numbers of touches have rows. Means are over the objects in
-    `kept.reports` that were tested with each number of touches and each strategy.
+    `kept.held_out` that were tested with each number of touches and each strategy.
     """
     cells = [cell for cell in kept.cells if cell.pipeline == "order_free"]
     longer = {(cell.turns, cell.known) for cell in cells if cell.touches > HEADLINE_TOUCHES}
     chosen = [cell for cell in cells if (cell.turns, cell.known) in longer]
-    return list(_rows(chosen, intervals, kept.classes, _tested(chosen, kept.reports)))
+    return list(_rows(chosen, intervals, kept.classes, _tested(chosen, kept.held_out)))
 
 
 def _rows(
@@ -274,7 +182,7 @@ def contrast(
     Parameters
     ----------
     kept : TurnedSet
-        The kept accuracies; the mean is over the objects in `kept.reports` that all cells tested.
+        The kept accuracies; the mean is over the objects in `kept.held_out` that all cells tested.
     plus, minus : sequence of CellName
         The cells of pipeline `order_free` that are added and subtracted.
     intervals : IntervalParameters
@@ -296,17 +204,12 @@ def contrast(
             f"No accuracy of turned objects is kept for {' '.join(map(str, missing[0]))}."
         )
     added, subtracted = ([cells[name] for name in names] for names in (plus, minus))
-    return _figure(added, subtracted, intervals, kept.classes, kept.reports)
-
-
-def _numbers(cell: TurnedCell) -> FloatArray:
-    """Return accuracies and weights (2, o), NaN where an object was not tested."""
-    return np.array([cell.accuracy, cell.weights], dtype=np.float64)
+    return _figure(added, subtracted, intervals, kept.classes, kept.held_out)
 
 
 def _tested(cells: Sequence[TurnedCell], counted: BoolArray) -> BoolArray:
     """Return whether an object counts and was tested in all cells, shape (o,)."""
-    accuracies = np.array([_numbers(cell)[0] for cell in cells])
+    accuracies = np.array([cell.accuracy for cell in cells])
     return np.isfinite(accuracies).all(axis=0) & counted
 
 
@@ -318,10 +221,10 @@ def _figure(
     counted: BoolArray,
 ) -> Figure:
     """Compute a sum of accuracies minus another sum, over the objects that count and that all cells tested."""
-    added, subtracted = (np.array([_numbers(cell)[0] for cell in cells]) for cells in (plus, minus))
+    added, subtracted = (np.array([cell.accuracy for cell in cells]) for cells in (plus, minus))
     values = added.sum(axis=0) - (subtracted.sum(axis=0) if len(minus) else 0.0)
     tested = _tested([*plus, *minus], counted)
-    weights = _numbers(plus[0])[1]
+    weights = plus[0].weights
     bounds = (-float(len(minus)), float(len(plus)))
     of_tested = np.array(classes)[tested]
     chosen = values[tested], weights[tested]

@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 from studies.surfaces import RUN
 
-from turned import keeping
-from turned.keeping import keep, means_over_draws
-from turned.study import DRAWS, STUDY, name_of
+from turned.accuracies import make_turned, means_over_draws
+from turned.kept import read_turned
+from turned.study import DRAWS, POSES, STUDY, name_of
 from visuohaptic.base.errors import ReportError
-from visuohaptic.report.turned import POSES, read_turned
 from visuohaptic.studies.conditions import plan_study, with_changes
-from visuohaptic.studies.figures import Cell, write_json
+from visuohaptic.studies.figures import Cell
+from visuohaptic.studies.keeping import keep
+from visuohaptic.studies.study import StepInputs
 
 BOXES = (("box", "a"), ("box", "b"))
 SVM = ("paper", "fixation", "support_vector_machine")
@@ -63,45 +64,45 @@ def test_no_condition_takes_a_vertical_as_known_that_the_pose_does_not_have():
     assert len(by_paper) == 11
 
 
+def rows_of(cells, choosing=()):
+    """Return the rows of the measured table in the order of the cells."""
+    return means_over_draws(cells, frozenset(choosing)).to_pylist()
+
+
 def test_the_literal_variant_is_kept_as_a_pipeline_of_its_own():
-    found = means_over_draws({("any 0 literal 5", *SVM): cell(1.0, 0.5)})
-    (kept,) = found["cells"]
-    assert (kept["pipeline"], kept["known"], kept["turns"]) == ("literal", "full", "any")
+    rows = rows_of({("any 0 literal 5", *SVM): cell(1.0, 0.5)})
+    named = {(row["pipeline"], row["known"], row["turns"]) for row in rows}
+    assert named == {("literal", "full", "any")}
 
 
 def test_an_object_has_the_mean_over_the_draws_that_tested_it():
-    found = means_over_draws(CELLS)
-    assert found["objects"] == ["box/a", "box/b"]
-    turned, longer, unknown, upright = found["cells"]
-    assert (turned["turns"], turned["draws"], turned["accuracy"]) == ("any", 2, (1.0, 0.25))
-    assert [one["known"] for one in found["cells"]] == ["full", "full", "none", "full"]
-    assert [one["touches"] for one in found["cells"]] == [5, 20, 5, 5]
-    assert (longer["draws"], unknown["draws"]) == (1, 1)
-    assert turned["weights"] == (1.0, 1.5)
-    assert (upright["turns"], upright["draws"], upright["accuracy"]) == ("none", 1, (1.0, 1.0))
+    by_cell = {}
+    for row in rows_of(CELLS):
+        key = row["turns"], row["known"], row["touches"]
+        by_cell.setdefault(key, {})[row["object"]] = (
+            row["draws"],
+            row["accuracy"],
+            row["weight"],
+        )
+    assert by_cell == {
+        ("any", "full", 5): {"a": (2, 1.0, 1.0), "b": (2, 0.25, 1.5)},
+        ("any", "full", 20): {"a": (1, 0.25, 1.0), "b": (1, 0.25, 2.0)},
+        ("any", "none", 5): {"a": (1, 0.75, 1.0), "b": (1, 0.75, 2.0)},
+        ("none", "full", 5): {"a": (1, 1.0, 1.0), "b": (1, 1.0, 2.0)},
+    }
 
 
-def test_what_could_not_be_measured_is_left_out_with_its_reason_and_never_kept(tmp_path):
-    found = means_over_draws(
-        {("any 0 none 20", *SVM): cell(objects=(), error="too small."), **CELLS}
-    )
-    assert found["failed"] == ["any 0 none 20: too small."]
-    assert found["cells"] == means_over_draws(CELLS)["cells"]
-    measured = tmp_path / "measured.json"
-    write_json({"set": "paper", **found}, measured)
+def test_a_condition_that_failed_is_refused():
+    failed = {("any 0 none 20", *SVM): cell(objects=(), error="too small.")}
     with pytest.raises(ReportError, match="could not be measured, any 0 none 20: too small"):
-        keep("paper", measured, tmp_path / "turned.json")
+        rows_of({**CELLS, **failed})
 
 
-def test_accuracies_are_kept_by_set_beside_those_of_others(tmp_path, monkeypatch):
-    chosen = tmp_path / "chosen.json"
-    write_json({"half": ["box/a", "cup/c"]}, chosen)
-    monkeypatch.setattr(keeping, "CHOSEN", chosen)
-    measured, place = tmp_path / "measured.json", tmp_path / "turned.json"
-    for name in ("paper", "benchmark"):
-        write_json({"set": name, **means_over_draws(CELLS)}, measured)
-        keep(name, measured, place)
-    assert set(read_turned(place)) == {"paper", "benchmark"}
-    assert read_turned(place)["paper"].reports.tolist() == [False, True]
-    with pytest.raises(ReportError, match="has set benchmark; set paper is needed"):
-        keep("paper", measured, place)
+def test_objects_that_took_part_in_choosing_are_not_held_out(tmp_path, monkeypatch):
+    monkeypatch.setattr("turned.accuracies.read_cells", lambda blocks: CELLS)
+    monkeypatch.setattr("turned.accuracies.choosing_objects", lambda: frozenset({"box/a", "cup/c"}))
+    make_turned(StepInputs("turned", {"blocks": []}, [tmp_path / "measured.parquet"], RUN))
+    keep(tmp_path / "measured.parquet", RUN.meshes.set, tmp_path)
+    kept = read_turned(tmp_path)[RUN.meshes.set]
+    assert kept.objects == BOXES
+    assert kept.held_out.tolist() == [False, True]

@@ -1,6 +1,5 @@
-"""Twenty draws become a small file that the report reads."""
+"""Twenty draws become a table with one row per object and draw."""
 
-import json
 from collections import Counter
 from operator import attrgetter
 
@@ -8,21 +7,24 @@ import numpy as np
 import pytest
 from studies.surfaces import RUN
 
-from draws.keeping import accuracies_of, keep
+from draws.accuracies import arrange, make_draws
+from draws.kept import read_draws
 from draws.study import DRAWS, LITERAL_DRAWS, STUDY
 from variants.choices import BY_NAME
 from variants.design import LITERAL
 from visuohaptic.base.draws import draw_of
 from visuohaptic.base.errors import ReportError
-from visuohaptic.report.draws import read_draws
 from visuohaptic.studies.conditions import plan_study, with_changes
 from visuohaptic.studies.figures import Cell
+from visuohaptic.studies.keeping import keep
+from visuohaptic.studies.study import StepInputs
 
 BOXES = (("box", "a"), ("box", "b"))
 
 
-def cell(*accuracy, objects=BOXES, **named):
-    return Cell(objects, np.array(accuracy), np.ones(len(accuracy)), **named)
+def cell(*accuracy, objects=BOXES, weights=None, **named):
+    weights = np.ones(len(accuracy)) if weights is None else np.array(weights)
+    return Cell(objects, np.array(accuracy), weights, **named)
 
 
 CELLS = {
@@ -64,34 +66,48 @@ def test_the_literal_variant_has_all_of_its_options():
             assert attrgetter(name)(literal) == value
 
 
-def test_accuracies_stand_by_object_in_the_order_of_draws():
-    found = accuracies_of(CELLS)
-    assert found["objects"] == ["box/a", "box/b"]
-    paper = found["pipelines"]["paper"]
-    assert paper["fixation"] == [1.0, 0.75]
-    assert paper["draws"] == {
-        "random": [[0.0, 1.0], [0.5, 0.5], [None, 0.25]],
-        "random_visible": [[0.5, 0.0]],
+def accuracies_by_draw(table, pipeline):
+    """Return accuracies by strategy and draw, then object."""
+    rows = table.to_pandas().query("pipeline == @pipeline")
+    return {
+        key: dict(zip(part["object"], part["accuracy"], strict=True))
+        for key, part in rows.groupby(["strategy", "draw"])
     }
-    literal = found["pipelines"]["literal"]
-    assert literal["fixation"] == [0.25, 0.0]
-    assert literal["draws"] == {"random": [[0.0, 0.25]]}
+
+
+def test_accuracies_stand_by_object_and_draw():
+    table = arrange(CELLS)
+    assert accuracies_by_draw(table, "paper") == {
+        ("fixation", 0): {"a": 1.0, "b": 0.75},
+        ("random", 0): {"a": 0.0, "b": 1.0},
+        ("random", 2): {"a": 0.5, "b": 0.5},
+        ("random", 10): {"b": 0.25},
+        ("random_visible", 0): {"a": 0.5, "b": 0.0},
+    }
+    assert accuracies_by_draw(table, "literal") == {
+        ("fixation", 0): {"a": 0.25, "b": 0.0},
+        ("random", 0): {"a": 0.0, "b": 0.25},
+    }
+
+
+def test_an_object_has_its_weight_by_fixation_in_all_draws():
+    fixation = ("default, first draw", "paper", "fixation", "support_vector_machine")
+    weighted = {**CELLS, fixation: cell(1.0, objects=BOXES[1:], weights=[3.0])}
+    rows = arrange(weighted).to_pandas().query("pipeline == 'paper'")
+    assert set(rows["object"]) == {"b"}
+    assert set(rows["weight"]) == {3.0}
 
 
 def test_a_draw_that_failed_is_refused():
     failed = cell(objects=(), error="No viewpoint has 5 touches.")
     key = ("default, further draws", "paper", "random#3", "support_vector_machine")
     with pytest.raises(ReportError, match="random#3: No viewpoint has 5 touches"):
-        accuracies_of({**CELLS, key: failed})
+        arrange({**CELLS, key: failed})
 
 
-def test_kept_draws_of_one_set_leave_those_of_others(tmp_path):
-    measured, place = tmp_path / "measured.json", tmp_path / "draws.json"
-    for name in ("paper", "benchmark"):
-        measured.write_text(json.dumps({"set": name, **accuracies_of(CELLS)}))
-        keep(name, measured, place)
-    assert read_draws("paper", "paper", place).lead.leads == pytest.approx((0.375, 0.375, 0.5))
-    assert read_draws("benchmark", "paper", place).random == pytest.approx((0.5, 0.5, 0.25))
-    assert '"fixation": [ 1.0, 0.75 ]' in place.read_text()
-    with pytest.raises(ReportError, match="has draws of set benchmark; draws of paper are needed"):
-        keep("paper", measured, place)
+def test_the_measured_table_is_kept_and_read_as_leads(tmp_path, monkeypatch):
+    monkeypatch.setattr("draws.accuracies.read_cells", lambda blocks: CELLS)
+    step = StepInputs("draws", {"blocks": []}, [tmp_path / "measured.parquet"], RUN)
+    make_draws(step)
+    keep(tmp_path / "measured.parquet", RUN.meshes.set, tmp_path)
+    assert read_draws("paper", "paper", tmp_path).lead.leads == pytest.approx((0.375, 0.375, 0.5))
