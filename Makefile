@@ -103,11 +103,11 @@ draws: $(READY)
 	@python -m variants.make_page
 	@python docs/make_two_questions.py
 
-# Accuracy by positions, normals and imprints only, kept with the package (studies/cues/README.md): make cues SET=benchmark
+# Accuracy by positions, normals and imprints only, kept with the study (studies/cues/README.md): make cues SET=benchmark
 cues: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs
 cues: $(READY)
 	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" -- results/cues.parquet
-	@python -m cues.keeping $(SET)
+	@python -m visuohaptic.studies.keeping cues $(SET)
 	@python -m cues.make_page
 
 # The first touch by ways to choose its place (studies/first_touch/README.md): make first_touch SET=benchmark
@@ -145,7 +145,6 @@ bench: $(DEVELOP)
 readme: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs
 readme: $(DEVELOP) report
 	python docs/make_readme.py
-	python -m variants.summary
 	python -m variants.make_page
 	python -m draws.make_page
 	python -m first_touch.make_page

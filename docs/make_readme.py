@@ -9,17 +9,19 @@ from typing import Any
 
 from filling import DOCS, SETS, fill_page, read_json, share, table
 
+from cues.kept import kept_cues_of
+from cues.sentences import carries_sentence
 from turned.kept import read_turned
 from turned.leads import KeptLeads, question_sentence, read_kept_leads
 from turned.rows import turned_rows
+from variants.result import papers_pipeline_sentences
+from variants.summary import kept_summary
 from visuohaptic.evaluation.leads import Question
 from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.comparison import pipeline_tables
-from visuohaptic.report.cues import carries_sentence
 from visuohaptic.report.leads import Lead, run_leads
 from visuohaptic.report.questions import QUESTIONS, Answer, lead_answer, recognition_answer
-from visuohaptic.report.variants import papers_pipeline_sentences, read_variants
 from visuohaptic.report.wording import POSES
 from visuohaptic_workflow.closing import REPORT, describe_results
 
@@ -43,7 +45,7 @@ RUNS = {
 
 def results_table(metrics: dict[str, Any]) -> str:
     """Set our accuracies, of `reports/metrics.json`, beside the published ones and those of the most literal variant."""
-    literal, strategies = read_variants().literal, ("fixation", "random")
+    literal, strategies = kept_summary().literal, ("fixation", "random")
     rows = []
     for classifier, label in LABELS.items():
         paper, ours = (
@@ -108,8 +110,8 @@ def answers(metrics: dict[str, Any]) -> str:
         5,
         UNSEEN,
         caveats=(
-            carries_sentence("paper", IntervalParameters()),
-            papers_pipeline_sentences(read_variants()),
+            carries_sentence(kept_cues_of("paper"), IntervalParameters()),
+            papers_pipeline_sentences(kept_summary()),
         ),
     )
     found = [

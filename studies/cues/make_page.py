@@ -8,17 +8,10 @@ from pathlib import Path
 
 from filling import fill_page, table
 
-from cues.study import STRATEGIES, TOUCHES, WAYS, is_bare
+from cues.kept import MeasuredCues, Setting, kept_cues
+from cues.sentences import carries_sentence, imprints_sentence
+from cues.study import CUES, STRATEGIES, TOUCHES, WAYS, CueName, is_bare
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.report.cues import (
-    CUES,
-    CueName,
-    MeasuredCues,
-    Setting,
-    carries_sentence,
-    imprints_sentence,
-    kept_cues,
-)
 from visuohaptic.report.estimates import Figure, with_interval
 from visuohaptic.report.leads import KNOWN
 from visuohaptic.report.wording import POSES, percent, points, strategy_name
@@ -33,8 +26,8 @@ def blocks() -> dict[str, str]:
     kept = kept_cues()
     sentences = [
         _plain(sentence)
-        for name in kept
-        for sentence in (carries_sentence(name, INTERVALS), imprints_sentence(name, INTERVALS))
+        for one in kept.values()
+        for sentence in (carries_sentence(one, INTERVALS), imprints_sentence(one, INTERVALS))
     ]
     heads = ["objects", "pipeline", "touches by", "touches"]
     frames = ["objects", "pipeline", "objects are", "known of the pose", *heads[2:]]
@@ -47,7 +40,9 @@ def blocks() -> dict[str, str]:
                 row = [measured.objects, *names, *_figures(measured, setting)]
                 parts[part].append(row)
     sources = "; ".join(
-        f"{one.objects} objects: {one.commit[:12]}, {one.date}" for one in kept.values()
+        f"{one.objects} objects: {one.source.commit[:12]}, {one.source.date}"
+        for one in kept.values()
+        if one.source
     )
     return {
         "headline": "\n\n".join(textwrap.fill(one, 100, break_on_hyphens=False) for one in sentences),

@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import NamedTuple
+from collections.abc import Iterator, Mapping
+from typing import Literal, NamedTuple
 
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import Frame
-from visuohaptic.report.cues import CueName, Tested
 from visuohaptic.studies.conditions import ONE_CLASSIFIER
 from visuohaptic.studies.study import Changes, Condition, Step, Study
+
+Tested = Literal["new", "known"]
+"""Test objects: new objects of known classes, or objects that were also trained on, seen from new viewpoints."""
+
+CueName = Literal["position", "normal", "pose", "imprint", "all"]
+
+CUES: Mapping[CueName, str] = {
+    "position": "positions only",
+    "normal": "normals only",
+    "pose": "positions and normals, no imprint",
+    "imprint": "imprints only",
+    "all": "all",
+}
+"""The cues of a touch, in words."""
 
 STRATEGIES = ("fixation", "random", "random_visible")
 
@@ -101,10 +114,11 @@ STUDY = Study(
     steps=(
         Step(
             "cues",
-            "cues.keeping:make_cues",
+            "cues.accuracies:make_cues",
             ("results/cues.parquet",),
             needs={"include": {"meshes": {"set"}}},
         ),
     ),
     has_figures=False,
+    kept="results/cues.parquet",
 )

@@ -10,9 +10,10 @@ from typing import Annotated, Any
 
 import typer
 
-from human_gaze.agreement import AGREEMENT, measure_all, write_weights
+from human_gaze.agreement import measure_all, write_weights
 from human_gaze.agreement_means import beside_peer, summarise
 from human_gaze.gazed_objects import GazeSettings, look_at_folder
+from human_gaze.tables import AGREEMENT
 from human_gaze.worst_and_best import draw_worst_and_best
 from visuohaptic.base.errors import VisuohapticError
 from visuohaptic.cli.printing import folder_to_write, say, say_error, show_progress
@@ -102,7 +103,8 @@ def measure(
     track: Any = partial(show_progress, doing="looking")
     objects = look_at_folder(folder, run, settings, jobs, track, tests=tests)
     table = measure_all(objects, settings)
-    write_table(AGREEMENT, table, out / "agreement.parquet")
+    metadata = {**(table.schema.metadata or {}), "recordings": source}
+    write_table(AGREEMENT, table.replace_schema_metadata(metadata), out / "agreement.parquet")
     command = f"python -m human_gaze {folder.name}"
     write_weights(objects, settings, out / "weights.json", command, source)
     draw_worst_and_best(objects, table, run.viewpoints, settings, out / "pictures")

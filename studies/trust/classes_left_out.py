@@ -14,6 +14,7 @@ from trust.tables import STATED_COVERAGES, TRUST
 from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.base.errors import RecognitionError
 from visuohaptic.base.seeds import spawn_generator
+from visuohaptic.evaluation.held_out import VIEWS, sum_up_answers
 from visuohaptic.evaluation.summary import select
 from visuohaptic.recognition.certainty import Certainty, fit_certainty
 from visuohaptic.recognition.descriptors import describe_all
@@ -28,7 +29,6 @@ from visuohaptic.recognition.sequences import TouchSequences, gather_pipeline, t
 from visuohaptic.recognition.splits import grouped_folds, objects_of_classes
 from visuohaptic.recognition.voting import evenly_spaced_subsets
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
-from visuohaptic.studies.evaluation.answers import VIEWS, sum_up_answers
 from visuohaptic.studies.figures import write_json
 from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.phases import FEATURES

@@ -1,13 +1,15 @@
-"""The section of the report on prediction sets and on objects of no known class."""
+"""The sections of the report on prediction sets, on objects of no known class, and on untypical objects."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
 from matplotlib.figure import Figure
 
+from trust.odd import odd_sentence
 from trust.study import STUDY
 from trust.tables import STATED_COVERAGES, TRUST
 from visuohaptic.evaluation.summary import select
@@ -15,9 +17,16 @@ from visuohaptic.recognition.certainty import least_known_objects
 from visuohaptic.recognition.parameters import least_objects
 from visuohaptic.report.drawing import COLOURS, style
 from visuohaptic.report.estimates import Row, read_json
-from visuohaptic.report.evaluation import rows_of
 from visuohaptic.report.figures import draw_lines, finish, whole_percent
-from visuohaptic.report.section import ReportContext, Section, SourceTable, Values
+from visuohaptic.report.held_out import rows_of
+from visuohaptic.report.section import (
+    OTHER_OBJECTS,
+    ReportContext,
+    Section,
+    SourceTable,
+    Values,
+    sentences_section,
+)
 from visuohaptic.tables.schema import read_table
 
 TABLE, FIGURES = STUDY.shown
@@ -81,6 +90,18 @@ def coverage(table: pa.Table) -> Figure:
     )
 
 
-SECTION = Section(
-    STUDY.name, STUDY.title, trust_values, (SourceTable("Known and unknown objects", TRUST, TABLE),)
+def odd_sentences(context: ReportContext) -> Iterator[str]:
+    """Yield the sentence on untypical objects, if no model was evaluated on objects of this run."""
+    if context.run.extra_path("evaluation") is None:
+        yield odd_sentence(context.run.parameters.recognition.intervals)
+
+
+SECTIONS = (
+    Section(
+        STUDY.name,
+        STUDY.title,
+        trust_values,
+        (SourceTable("Known and unknown objects", TRUST, TABLE),),
+    ),
+    sentences_section("odd", "Untypical objects", odd_sentences, OTHER_OBJECTS),
 )

@@ -14,6 +14,7 @@ STUDY = Study(
             "variants",
             "variants.summary:make_variants",
             ("results/variants.parquet", "reports/variants.json"),
+            needs={"include": {"meshes": {"set"}, "recognition": {"intervals"}}},
         ),
         Step(
             "variants_page",
@@ -32,4 +33,5 @@ STUDY = Study(
         ),
     ),
     has_figures=False,
+    kept="results/variants.parquet",
 )

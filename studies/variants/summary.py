@@ -1,28 +1,24 @@
-"""Summarise all variants for the report: the verdict, counts and sentences.
-
-`python -m variants.summary` writes the summary of the kept tables into the package, for all reports.
-"""
+"""Summarise all variants for the report: the verdict, counts and sentences."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any, get_args
 
-import visuohaptic.report
 from variants.choices import BEST_OF_PAPER, BY_NAME
 from variants.design import is_literal
 from variants.kept import OUTSIDE, PAPER_SET, MeasuredVariants, kept_variants
 from variants.leads import count_after_holm, sum_up
 from variants.page import variants_figures
-from variants.tables import VARIANTS
+from variants.result import Changed, Lead, Spread, VariantsSummary
 from variants.verdicts import lead_evidence, of_papers_question, verdict
 from variants.weighing import summarise_variants, variant_figures
-from visuohaptic.report.variants import KEPT, Changed, Lead, Spread, VariantsSummary
 from visuohaptic.studies.figures import Row, write_json
+from visuohaptic.studies.keeping import write_measured
 from visuohaptic.studies.study import StepInputs
-from visuohaptic.tables.schema import write_table
 
 CHOSEN_AGAIN = Path(__file__).with_name("chosen_again.json")
 """The default that the rules of `choosing` give on later tables."""
@@ -32,10 +28,16 @@ def make_variants(step: StepInputs) -> None:
     """Write `VARIANTS` from the blocks of the study, and their summary as JSON."""
     output, summary = step.outputs
     table = variant_figures(step.inputs["blocks"], step.run.recognition.intervals)
-    write_table(VARIANTS, table, output)
+    write_measured(table, step.run.meshes.set, output)
     measured = MeasuredVariants(table.to_pylist())
     report = summarise(measured, kept_variants(OUTSIDE)).model_dump(mode="json")
     write_json({**summarise_variants(measured.rows), "report": report}, summary)
+
+
+@cache
+def kept_summary() -> VariantsSummary:
+    """Return the summary of the kept variants."""
+    return summarise(kept_variants(PAPER_SET), kept_variants(OUTSIDE))
 
 
 def summarise(measured: MeasuredVariants, outside: MeasuredVariants | None) -> VariantsSummary:
@@ -112,13 +114,3 @@ def _changed(again: Mapping[str, Any]) -> tuple[Changed, ...]:
         for name, option in chosen.items()
         if option != BY_NAME[name].default
     )
-
-
-def keep(path: Path) -> None:
-    """Write the summary of the kept tables as JSON."""
-    summary = summarise(kept_variants(PAPER_SET), kept_variants(OUTSIDE)).model_dump(mode="json")
-    path.write_text(json.dumps(summary, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-
-
-if __name__ == "__main__":
-    keep(Path(visuohaptic.report.__file__).with_name(KEPT))

@@ -25,8 +25,8 @@ from typing import Literal
 from variants.choices import BY_NAME
 from variants.design import is_default, is_literal
 from variants.leads import MAIN_OPPONENT, SIGNIFICANT
+from variants.result import Verdict
 from visuohaptic.report.questions import GAIN
-from visuohaptic.report.variants import Verdict
 from visuohaptic.studies.figures import Row
 
 Kind = Literal["default", "literal", "other"]

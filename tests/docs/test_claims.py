@@ -13,11 +13,12 @@ from variants.choices import BEST_OF_PAPER
 from variants.design import is_literal
 from variants.kept import OUTSIDE, PAPER_SET, kept_variants
 from variants.leads import against_main, sum_up
+from variants.result import papers_pipeline_sentences
+from variants.summary import kept_summary
 from variants.verdicts import of_papers_question
 from variants.weighing import summarise_variants
 from visuohaptic.report.estimates import Figure
 from visuohaptic.report.questions import verdict_on
-from visuohaptic.report.variants import papers_pipeline_sentences, read_variants
 from visuohaptic.report.wording import points
 
 ROOT = Path(__file__).parents[2]
@@ -37,7 +38,6 @@ PUBLISHED = {
     ("random", "naive_bayes"): 0.5716,
 }
 """Table 1 of the paper, by strategy and classifier."""
-SUMMARY = ROOT / "src/visuohaptic/report/variants.json"
 SECOND_OF_PAPER = "quadratic_discriminant"
 LEAD_OF_PAPER = 0.0186
 """Published accuracy of the SVM less the published accuracy of the quadratic discriminant."""
@@ -118,9 +118,9 @@ def counted_with_pandas(file, opponent):
 
 def test_variants_that_are_ahead_are_counted_with_pandas():
     text = evidence("Fixations guide touch")
-    spread = {one["objects"]: one for one in json.loads(SUMMARY.read_text())["spread"]}
+    spread = {one.objects: one.model_dump() for one in kept_summary().spread}
     page = (VARIANTS / "README.md").read_text(encoding="utf-8")
-    for file, objects in (("paper_set.parquet", 12), ("outside.parquet", 130)):
+    for file, objects in (("kept_paper.parquet", 12), ("kept_outside.parquet", 130)):
         total, ahead, behind, ahead_holm, behind_holm = counted_with_pandas(file, "reachable")
         assert re.search(
             rf"ahead in {ahead} of {total}( variants)? and behind in {behind} on the", text
@@ -138,7 +138,7 @@ def test_variants_that_are_ahead_are_counted_with_pandas():
         (row,) = [one for one in page.splitlines() if re.match(rf"\| {objects} .*`random` \|", one)]
         assert f" | {ahead} | {behind} | {ahead_holm}, {behind_holm} | " in row
     total, ahead, behind, ahead_holm, behind_holm = counted_with_pandas(
-        "outside.parquet", "visible"
+        "kept_outside.parquet", "visible"
     )
     assert (
         f"fixation is ahead in {ahead} of {total} and behind in {behind} on the 130 objects, each by itself, and in "
@@ -147,7 +147,7 @@ def test_variants_that_are_ahead_are_counted_with_pandas():
 
 
 def test_the_papers_pipeline_is_said_to_be_a_variant_with_the_figures_of_the_tables():
-    rows = pd.read_parquet(VARIANTS / "paper_set.parquet")
+    rows = pd.read_parquet(VARIANTS / "kept_paper.parquet")
     (literal,) = rows[
         (rows["part"] == "literal") & (rows["classifier"] == "support_vector_machine")
     ]["fixation"].unique()
@@ -155,7 +155,7 @@ def test_the_papers_pipeline_is_said_to_be_a_variant_with_the_figures_of_the_tab
     (channels,) = [one["chosen"] for one in again["options"] if one["choice"] == "channels"]
     weights = yaml.safe_load((ROOT / "params.yaml").read_text())["attention"]["weights"]
     assert (channels, sum(weight > 0 for weight in weights.values())) == ("eight_equal", 5)
-    said = papers_pipeline_sentences(read_variants())
+    said = papers_pipeline_sentences(kept_summary())
     assert "chooses other channels of attention: eight equal in place of five named" in said
     assert f"The most literal variant classifies {100 * literal:.1f}" in said
     for page in ("docs/method.md", "docs/recognition.md"):
@@ -182,7 +182,7 @@ def test_published_accuracies_are_judged_as_pandas_judges_the_kept_default_run()
 
 
 def test_twelve_objects_allow_no_lead_after_the_correction():
-    total, *_ = counted_with_pandas("paper_set.parquet", "reachable")
+    total, *_ = counted_with_pandas("kept_paper.parquet", "reachable")
     smallest = 2 * 0.5**12
     assert smallest * total > 0.05
     assert "(with 12 objects no other count is possible)" in evidence("Fixations guide touch")

@@ -27,12 +27,14 @@ from report.synthetic import lay_out
 from meshreaders.command import make_parser
 from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.cli.commands import app
+from visuohaptic.evaluation.held_out import summarise_evaluation
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.phases import OF_OBJECT, PHASES, Phase
 from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
-from visuohaptic.studies.evaluation.models import read_evaluation, summarise_evaluation
 from visuohaptic.studies.learning_policies import LEARNING_POLICIES
 from visuohaptic.studies.registry import find_studies
+from visuohaptic.tables.schema import read_table
+from visuohaptic.tables.studies import EVALUATION
 
 ROOT = Path(__file__).parents[2]
 PAGES = (
@@ -256,8 +258,8 @@ def test_the_readme_shows_the_kept_accuracies_of_turned_objects(run_script):
 
 
 def test_the_page_of_certainty_shows_the_kept_answers_for_odd_objects():
-    measured = read_evaluation(None)
-    rows = summarise_evaluation(measured.table, IntervalParameters())
+    answers = read_table(EVALUATION, ROOT / "studies/trust/kept_odd.parquet")
+    rows = summarise_evaluation(answers, IntervalParameters())
     assert len(rows) == 6
     text = (ROOT / "docs" / "certainty.md").read_text()
     for row in rows:

@@ -10,15 +10,16 @@ import pytest
 from report.pages import plain, read_page
 from report.synthetic import lay_out, write_study
 from report.test_effects import write_influence
-from report.test_evaluation import evaluation_table
+from report.test_held_out import evaluation_table
 from report.test_stability import ON_OBJECT, write_totals, written
 from report.test_studies import ROWS as ABLATIONS
-from report.test_variants import MADE
 from studies.cost.test_front import cost_rows, cost_table
+from studies.cues.test_sentences import lifts, made_up
 from studies.eye_and_touch.test_summary import COST as PRICES
 from studies.eye_and_touch.test_summary import INTERVALS, TOUCHES, poor_sight, table_of
 from studies.touch_curves.test_section import write_tables
 from studies.trust.test_section import write_trust
+from studies.variants.test_result import MADE
 
 from eye_and_touch.summary import sum_up_senses
 from eye_and_touch.tables import EYE_AND_TOUCH
@@ -66,6 +67,8 @@ def folder(tmp_path_factory):
     summary = json.dumps({"report": MADE.model_dump(mode="json")})
     (folder / "reports/variants.json").write_text(summary)
     write_trust(folder)
+    cues = lifts(order_free=(0.5, 0.5, 0.8, 0.4, 0.95), paper=(0.5, 0.5, 0.8, 0.7, 0.81))
+    made_up(results / "cues.parquet", cues, objects=4)
     write_table(EYE_AND_TOUCH, table_of(poor_sight), results / "eye_and_touch.parquet")
     senses = sum_up_senses(table_of(poor_sight), PRICES, TOUCHES, INTERVALS)
     write_json(senses, folder / "reports/eye_and_touch.json")
@@ -79,9 +82,9 @@ def folder(tmp_path_factory):
     scenes += [("worn_fsr without noise", 0.52, "worn_fsr", 0.02)]
     write_study(studies, "effects", scenes)
     write_study(studies, "ablations", ABLATIONS)
-    cues = [("as run", 0.6, None, None), ("skin", 0.5, "as run", -0.1)]
+    own = [("as run", 0.6, None, None), ("skin", 0.5, "as run", -0.1)]
     lead = {"lead": [0.12, -0.03], "lead_low": [0.01, -0.2], "lead_high": [0.2, 0.1]}
-    write_study(studies, "cues", cues, strategy="random", lead_p=[0.02, 0.7], **lead)
+    write_study(studies, "own_cues", own, strategy="random", lead_p=[0.02, 0.7], **lead)
     write_totals(folder / "docs/figures/hard_cases.json")
     return folder
 
@@ -162,6 +165,8 @@ SAID = (
     "Eye fixations, 2 touches 20 18–23 50.0 25.0–100.0 5.0 5.0 5.0 5.0 dominated",
     "Imprint, 8 × 8 – – – – – – failed: images are too small.",
     "Share of the objects of known classes whose class is in the set",
+    "What imprints add to positions and normals in pipeline order_free: pose known, five touches: +",
+    "(4 objects of this run)",
     "Eye fixations 4 100.0 % 44.6 % to 100.0 % 75.0 % 21.2 % to 99.3 % 1.00 0.0 %",
     "75.0 % of the objects of known classes (90 % stated); 50.0 % of the objects of unknown",
     "a model that learnt 7 objects classifies 4 other objects: box (2), cup (2)",

@@ -19,10 +19,6 @@ SECTION_FILES = in_clone(
     for pattern in ("templates/*.*", "kept_*.*")
     for file in sorted(section.parent.glob(pattern))
 )
-# Table of study human_gaze, which is not part of the workflow.
-AGREEMENT_WITH_GAZE = in_clone(
-    filter(os.path.exists, [shipped("studies/human_gaze/agreement.parquet")])
-)
 # Files that `visuohaptic evaluate` and `make test-hard` write.
 MEASURED_BESIDE = ["reports/evaluation.parquet", "docs/figures/hard_cases.json"]
 
@@ -85,7 +81,6 @@ rule report:
             drawn=study_blocks("random_draws"),
             stability=files_of("stability", "{objects}"),
             pictures=files_of("pictures", "{objects}"),
-            gaze=AGREEMENT_WITH_GAZE,
             # Not part of `all`; the report shows the files that are there.
             more_studies=files_of_more_studies,
             measured=in_clone(filter(os.path.exists, MEASURED_BESIDE)),

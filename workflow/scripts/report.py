@@ -34,7 +34,6 @@ with job(snakemake):
             drawn=snakemake.input.drawn,
             meshes=list(meshes_in(snakemake.input.meshes).values()),
             credits=snakemake.input.credits,
-            gaze=next(iter(snakemake.input.gaze), None),
             study_folders=STUDY_FOLDERS,
             logs="logs",
             extras=extra_paths(folder, checkout="."),

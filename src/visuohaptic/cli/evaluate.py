@@ -108,7 +108,7 @@ def evaluate(
             raise typer.BadParameter(f"{name} needs --classifier.")
     import pyarrow as pa
 
-    from visuohaptic.studies.evaluation.models import evaluate_model, summarise_evaluation
+    from visuohaptic.evaluation.held_out import evaluate_model, summarise_evaluation
     from visuohaptic.tables.phases import FEATURES
     from visuohaptic.tables.schema import read_table, write_table
     from visuohaptic.tables.studies import EVALUATION

@@ -10,13 +10,13 @@ from __future__ import annotations
 from visuohaptic.base.errors import ReportError
 from visuohaptic.report import sections
 from visuohaptic.report.glossary import WORDS
-from visuohaptic.report.measured_before import MEASURED_BEFORE
 from visuohaptic.report.run import Run
 from visuohaptic.report.section import (
     OTHER_OBJECTS,
     Section,
     SourceTable,
     figures_of,
+    sentences_section,
     study_sections,
 )
 from visuohaptic.report.studies import names_of_own_studies
@@ -105,7 +105,11 @@ CHAPTERS = {
             "stability", "Numerical stability in hard cases", sections.stability_values, (STABLE,),
         ),
     ),
-    OTHER_OBJECTS: MEASURED_BEFORE,
+    OTHER_OBJECTS: (
+        sentences_section(
+            "hard-cases", "Hard cases of the code", sections.hard_cases_sentences, OTHER_OBJECTS,
+        ),
+    ),
     "Methods": (
         Section("methods", "Methods text", sections.methods_values),
         Section("parameters", "Parameters", sections.parameters_values),
@@ -117,20 +121,25 @@ CHAPTERS = {
         Section("glossary", "Glossary", lambda _: {"words": WORDS}),
     ),
 }  # fmt: skip
-"""The sections by chapter; the table of contents lists the chapters."""
+"""The sections by chapter; the table of contents lists the chapters. Studies bring further sections."""
 
 
 def chapters_of(run: Run) -> dict[str, tuple[Section, ...]]:
     """Return the sections of a run's page by chapter; a chapter begins with the sections that studies bring to it.
 
-    Raises `ReportError` if a study names an unknown chapter.
+    Without a section of a study, chapter `OTHER_OBJECTS` is left out. Raises `ReportError` if a study names an unknown
+    chapter.
     """
-    chapters: dict[str, list[Section]] = {name: [] for name in CHAPTERS}
+    brought: dict[str, list[Section]] = {name: [] for name in CHAPTERS}
     for section in study_sections(run.files.study_folders):
         if section.chapter not in CHAPTERS:
             raise ReportError(
                 f"{section.folder}/section.py: {section.chapter!r} is no chapter of the report; one of "
                 f"{', '.join(CHAPTERS)} is needed."
             )
-        chapters[section.chapter].append(section)
-    return {name: (*chapters[name], *sections) for name, sections in CHAPTERS.items()}
+        brought[section.chapter].append(section)
+    return {
+        name: (*brought[name], *sections_of_report)
+        for name, sections_of_report in CHAPTERS.items()
+        if name != OTHER_OBJECTS or brought[name]
+    }

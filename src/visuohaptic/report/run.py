@@ -40,7 +40,6 @@ _TABLES = ("predictions", "views", "fixations", "touches", "features", "pictures
 _EXTRAS = {
     "studies": "results/studies",
     "frontier": "results/frontier.parquet",
-    "cues": "results/cues.parquet",
     "effect_influence": "results/effect_influence.parquet",
     "evaluation": "reports/evaluation.parquet",
 }
@@ -72,8 +71,6 @@ class RunFiles:
         Files and folders that not every run has, by the names of `extra_paths`. They need not exist.
     study_folders : sequence of paths
         Folders of study definitions. Each file ``<study>/section.py`` adds a section to the page.
-    gaze : path, optional
-        The table that `gaze.gaze_sentence` reads.
     own_objects : sequence of str
         The user's own objects, `class/name`.
     key : str
@@ -96,7 +93,6 @@ class RunFiles:
     folder: str | Path = "."
     extras: Mapping[str, str | Path] = field(default_factory=dict)
     study_folders: Sequence[str | Path] = (REPOSITORY,)
-    gaze: str | Path | None = None
     own_objects: Sequence[str] = ()
     key: str = ""
 
@@ -291,7 +287,7 @@ def extra_paths(run: str | Path, checkout: str | Path) -> dict[str, Path]:
     Returns
     -------
     dict of str to Path
-        By ``studies``, ``frontier``, ``cues``, ``effect_influence``, ``evaluation`` and ``hard_cases``.
+        By ``studies``, ``frontier``, ``effect_influence``, ``evaluation`` and ``hard_cases``.
     """
     extras = {name: Path(run, path) for name, path in _EXTRAS.items()}
     return extras | {"hard_cases": Path(checkout, "docs/figures/hard_cases.json")}
@@ -308,7 +304,7 @@ def find_run(folder: str | Path) -> tuple[RunFiles, ExperimentParameters, tuple[
     Returns
     -------
     files : RunFiles
-        The run's files. `gaze`, `study_folders` and `key` keep their defaults.
+        The run's files. `study_folders` and `key` keep their defaults.
     parameters : ExperimentParameters
         The parameters in its ``params.yaml``.
     objects : tuple of str

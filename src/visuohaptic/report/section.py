@@ -12,12 +12,9 @@ from typing import Any
 from visuohaptic.base.errors import ReportError
 from visuohaptic.report.cost import read_cost
 from visuohaptic.report.effects import influence_figures
-from visuohaptic.report.evaluation import evaluation_figures
 from visuohaptic.report.objects import ObjectPage, most_varied
 from visuohaptic.report.provenance import PhaseSeconds
 from visuohaptic.report.run import Run
-from visuohaptic.report.variants import VARIANTS, VariantsSummary, read_variants
-from visuohaptic.studies.evaluation.models import read_evaluation
 from visuohaptic.studies.registry import import_file, section_files
 from visuohaptic.tables.schema import Schema
 from visuohaptic.tables.schemas import SCHEMAS
@@ -70,17 +67,6 @@ class ReportContext:
         """Run time of effects and their changes of images; None where nothing was measured."""
         path = self.run.extra_path("effect_influence")
         return influence_figures(path, self.run.parameters.scene.preset) if path else None
-
-    @cached_property
-    def variants(self) -> VariantsSummary:
-        """The summary of all variants of the paper: of this run, else the kept summary of the package."""
-        return read_variants(self.run.existing_file(VARIANTS))
-
-    @cached_property
-    def evaluation(self) -> Values:
-        """The model's predictions for objects that it was not trained on: of this run, else the kept predictions."""
-        measured = read_evaluation(self.run.extra_path("evaluation"))
-        return evaluation_figures(measured, self.run.parameters.recognition.intervals)
 
     @cached_property
     def explaining(self) -> ObjectPage:
@@ -170,15 +156,19 @@ def sentences_section(
     name: str,
     title: str,
     sentences: Callable[[ReportContext], Iterable[str]],
-    chapter: str,
+    chapter: str = "Studies",
+    reads: Sequence[SourceTable] = (),
 ) -> Section:
-    """Return a section of paragraphs, one per sentence; without a sentence the section is left out."""
+    """Return a section of paragraphs, one per sentence; without a sentence the section is left out.
+
+    Parameters are fields of `Section`. Empty sentences are dropped.
+    """
 
     def values(context: ReportContext) -> Values | None:
         said = [sentence for sentence in sentences(context) if sentence]
         return {"sentences": said} if said else None
 
-    return Section(name, title, values, chapter=chapter, template="sentences.html.jinja")
+    return Section(name, title, values, reads, chapter, "sentences.html.jinja")
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ Each function ``…_values`` takes the context of the report and returns the val
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,10 +18,9 @@ from visuohaptic.fixations.viewpoints import FIELD_OF_VIEW_DEGREES
 from visuohaptic.io.checkout import find_commit
 from visuohaptic.io.plugins import loaded
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.recognition.parameters import IntervalParameters, Protocol
+from visuohaptic.recognition.parameters import Protocol
 from visuohaptic.report.comparison import PIPELINES, PipelineTable, draws_sentence, gain_sentence
 from visuohaptic.report.cost import compared_sentence, cost_answer, robot_front
-from visuohaptic.report.cues import carries_sentence, imprints_sentence
 from visuohaptic.report.effects import (
     count_missing,
     count_passed_over,
@@ -34,6 +33,7 @@ from visuohaptic.report.effects import (
     sum_channels,
     sum_effects,
 )
+from visuohaptic.report.held_out import held_out_figures
 from visuohaptic.report.leads import PLACES, Lead, run_leads
 from visuohaptic.report.own_fixations import (
     OwnFixations,
@@ -57,12 +57,15 @@ from visuohaptic.report.run import Run
 from visuohaptic.report.section import ReportContext, Values
 from visuohaptic.report.stability import (
     describe_checks,
+    describe_hard_cases,
+    read_hard_cases,
 )
 from visuohaptic.report.studies import names_of_own_studies, read_study
 from visuohaptic.report.wording import CONTACT_STATES, percent, spaced, strategy_name, titled
 from visuohaptic.sensor.placing import PENETRATION_TOLERANCE
 from visuohaptic.tables.phases import CONTOURLET_FEATURES
-from visuohaptic.tables.schema import matrix
+from visuohaptic.tables.schema import matrix, read_table
+from visuohaptic.tables.studies import EVALUATION
 
 UNSEEN: Mapping[Protocol, str] = {
     "auto": "unseen objects",
@@ -105,14 +108,6 @@ def leads_of_run(run: Run) -> tuple[Lead, ...]:
     )
 
 
-def _of_own_cues(run: Run, sentence: Callable[[str, IntervalParameters, Path], str]) -> str:
-    """Return a sentence on the cues of a touch from the run's own table; empty if the run has none."""
-    path = run.extra_path("cues")
-    if path is None:
-        return ""
-    return sentence(run.parameters.meshes.set, run.parameters.recognition.intervals, path)
-
-
 def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
     run, recognition = context.run, context.run.parameters.recognition
     if run.pipelines:
@@ -121,7 +116,7 @@ def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
         unseen = UNSEEN[recognition.protocol.protocol]
         compared = next((table for table in run.pipelines if has_opponent(table)), first)
         rows = context.frontier["rows"] if context.frontier else []
-        carried = _of_own_cues(run, carries_sentence) or compared_sentence(rows, "cues")
+        carried = compared_sentence(rows, "cues")
         yield (
             recognition_answer(
                 run.pipelines,
@@ -185,7 +180,6 @@ def comparison_values(context: ReportContext) -> Values | None:
     against = others[0] if len(others) == 1 else f"{len(others)} other strategies"
     sentences = (
         gain_sentence(run.pipelines[0]),
-        _of_own_cues(run, imprints_sentence),
         compared_sentence(context.frontier["rows"], "paper") if context.frontier else "",
     )
     return {
@@ -199,9 +193,11 @@ def comparison_values(context: ReportContext) -> Values | None:
 
 def evaluation_values(context: ReportContext) -> Values | None:
     """Return a model's predictions for objects of this run that it was not trained on; None if none were made."""
-    if context.evaluation["source"] is not None:
+    path = context.run.extra_path("evaluation")
+    if path is None:
         return None
-    return {"evaluation": context.evaluation}
+    intervals = context.run.parameters.recognition.intervals
+    return {"evaluation": held_out_figures(read_table(EVALUATION, path), intervals)}
 
 
 def own_studies_values(context: ReportContext) -> Values | None:
@@ -254,6 +250,13 @@ def stability_values(context: ReportContext) -> Values | None:
         "anchors": {page.key: page.anchor for page in context.pages},
         "describe_checks": describe_checks,
     }
+
+
+def hard_cases_sentences(context: ReportContext) -> Iterator[str]:
+    """Yield the sentence on the hard cases of `make test-hard`, if the file of its figures exists."""
+    path = context.run.extra_path("hard_cases")
+    if path is not None:
+        yield describe_hard_cases(read_hard_cases(path))
 
 
 def confusion_values(context: ReportContext) -> Values | None:

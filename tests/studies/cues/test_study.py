@@ -5,16 +5,18 @@ import pandas as pd
 import pytest
 from recognition.synthetic import features_table
 
-from cues.keeping import accuracies_of, keep
-from cues.study import KNOWN_OF_TOUCH, STUDY, TOUCHES, WAYS
+from cues.accuracies import accuracies_of, make_cues
+from cues.kept import kept_cues
+from cues.study import CUES, KNOWN_OF_TOUCH, STUDY, TOUCHES, WAYS
+from cues.tables import ACCURACIES
 from visuohaptic.base.errors import ReportError
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.descriptors import describe_all
 from visuohaptic.recognition.sequences import gather_pipeline
-from visuohaptic.report.cues import CUES, SCHEMA, read_cues
 from visuohaptic.studies.conditions import plan_study, with_changes
 from visuohaptic.studies.figures import Cell
-from visuohaptic.tables.schema import write_table
+from visuohaptic.studies.keeping import keep
+from visuohaptic.studies.study import StepInputs
 
 OBJECTS = (("box", "a"), ("box", "b"))
 RUN = ExperimentParameters()
@@ -105,14 +107,13 @@ def test_a_condition_that_failed_is_named():
         accuracies_of(CELLS | failed)
 
 
-def test_what_is_kept_is_what_was_measured_with_commit_and_date(tmp_path):
-    write_table(SCHEMA, accuracies_of(CELLS), tmp_path / "measured.parquet")
-    keep("odd", tmp_path / "measured.parquet", tmp_path)
-    kept = read_cues(tmp_path / "cues_odd.parquet", "odd")
-    assert kept.commit
-    assert len(kept.date) == 10
+def test_what_is_kept_is_what_was_measured(tmp_path, monkeypatch):
+    monkeypatch.setattr("cues.accuracies.read_cells", lambda blocks: CELLS)
+    make_cues(StepInputs("cues", {"blocks": []}, [tmp_path / "measured.parquet"], RUN))
+    keep(tmp_path / "measured.parquet", RUN.meshes.set, tmp_path)
+    kept = kept_cues(tmp_path)[RUN.meshes.set]
     first, second = (
-        one.to_pandas().sort_values(list(SCHEMA.keys)).reset_index(drop=True)
+        one.to_pandas().sort_values(list(ACCURACIES.keys)).reset_index(drop=True)
         for one in (kept.table, accuracies_of(CELLS))
     )
     pd.testing.assert_frame_equal(first, second)

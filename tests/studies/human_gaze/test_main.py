@@ -7,8 +7,8 @@ import pytest
 from studies.human_gaze.made_up import write_object
 
 from human_gaze.__main__ import main
-from human_gaze.agreement import AGREEMENT
 from human_gaze.predicting import PREDICTORS
+from human_gaze.tables import AGREEMENT
 from visuohaptic.attention import CHANNELS, TERMS
 from visuohaptic.tables.schema import read_table
 

@@ -1,44 +1,28 @@
-"""Evaluate a fitted model on objects that it was not trained on.
-
-`odd.parquet` beside this file is `tables.EVALUATION` of the 22 objects of set `odd`, classified by models of the 142
-objects of set `benchmark`. Its metadata holds its source.
-`python -m visuohaptic.studies.evaluation.models reports/evaluation.parquet COMMAND PROCESSOR` writes it again.
-"""
+"""Evaluate a fitted model on held-out objects: objects that it was not trained on."""
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
-from dataclasses import dataclass
-from importlib.resources import as_file, files
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pyarrow as pa
 
+from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import RecognitionError
+from visuohaptic.evaluation.intervals import object_interval, plain_interval
 from visuohaptic.evaluation.summary import select
 from visuohaptic.recognition.voting import evenly_spaced_subsets
-from visuohaptic.studies.evaluation.answers import VIEWS, sum_up_answers
-from visuohaptic.studies.stored import Source, source_of, store_table
 from visuohaptic.tables.phases import owners_of
-from visuohaptic.tables.schema import build_rows, join_parts, read_table
+from visuohaptic.tables.schema import build_rows, join_parts
 from visuohaptic.tables.studies import EVALUATION
 
 if TYPE_CHECKING:
     from visuohaptic.recognition.model import RecognitionModel
     from visuohaptic.recognition.parameters import IntervalParameters
 
-KEPT = "odd.parquet"
-
-
-@dataclass(frozen=True)
-class MeasuredEvaluation:
-    """`tables.EVALUATION`, and its source if it is the table of the package instead of the run's."""
-
-    table: pa.Table
-    source: Source | None = None
+VIEWS = (1, 4, 16)
+"""Numbers of views from which an object is classified. An object with fewer views uses all of its views."""
 
 
 def evaluate_model(model: RecognitionModel, features: pa.Table) -> pa.Table:
@@ -127,14 +111,53 @@ def summarise_evaluation(table: pa.Table, intervals: IntervalParameters) -> list
     ]
 
 
-def read_evaluation(path: str | Path | None) -> MeasuredEvaluation:
-    """Read the run's `tables.EVALUATION` if the file exists, else the table of the package."""
-    if path is not None and Path(path).is_file():
-        return MeasuredEvaluation(read_table(EVALUATION, path))
-    with as_file(files("visuohaptic.studies.evaluation").joinpath(KEPT)) as file:
-        return MeasuredEvaluation(read_table(EVALUATION, file), source_of(file))
+def sum_up_answers(
+    table: pa.Table, coverage: float, intervals: IntervalParameters
+) -> Iterator[tuple[dict[str, Any], pa.Table]]:
+    """Summarise predictions per strategy and number of views.
+
+    Parameters
+    ----------
+    table : pyarrow.Table
+        One row per prediction, with columns ``strategy``, ``views``, ``class``, ``object``, ``candidates``, and the
+        booleans ``known``, ``correct``, ``covered`` and ``unknown``.
+    coverage : float
+        The stated coverage of the prediction sets.
+    intervals : IntervalParameters
+        The confidence of the intervals over objects.
+
+    Yields
+    ------
+    figures : dict
+        Each share as mean, low and high, and ``set_size``, the mean size of the prediction sets. Shares without
+        objects are left out.
+    rows : pyarrow.Table
+        The rows of the strategy and number of views.
+    """
+    for strategy in table.column("strategy").unique().to_pylist():
+        for views in table.column("views").unique().to_pylist():
+            rows = select(table, strategy=strategy, views=views)
+            known = select(rows, known=True)
+            figures: dict[str, Any] = {"strategy": strategy, "views": views, "stated": coverage}
+            for name, counted, column in (
+                ("accuracy", known, "correct"),
+                ("coverage", known, "covered"),
+                ("false_unknown", known, "unknown"),
+                ("found_unknown", select(rows, known=False), "unknown"),
+            ):
+                if len(counted):
+                    means, counts = _by_object(counted, column)
+                    interval = object_interval(means, counts, intervals)
+                    figures[name] = list(plain_interval(interval).values())
+            figures["set_size"] = float(np.mean(known["candidates"].to_numpy()))
+            yield figures, rows
 
 
-if __name__ == "__main__":
-    measured, command, machine = sys.argv[1:]
-    store_table(EVALUATION, measured, Path(__file__).with_name(KEPT), command, machine)
+def _by_object(rows: pa.Table, column: str) -> tuple[FloatArray, FloatArray]:
+    """Return each object's mean of a boolean column, and its number of rows."""
+    keys = ["class", "object"]
+    means = rows.group_by(keys, use_threads=False).aggregate([(column, "mean"), ([], "count_all")])
+    return (
+        means[f"{column}_mean"].to_numpy(),
+        means["count_all"].to_numpy().astype(np.float64),
+    )

@@ -1,20 +1,23 @@
-"""The report reads what the study of the variants wrote, or what is kept with the package."""
+"""The section shows the variants of a run, or those that are kept, and its sentences say what the summary holds."""
 
 import json
+from types import SimpleNamespace
 
 import pytest
 from report.pages import plain
 from report.test_comparison import SVM
 
-from visuohaptic.base.errors import ReportError
-from visuohaptic.report.variants import (
+from variants.result import (
+    SUMMARY,
     Changed,
     Spread,
     VariantsSummary,
     papers_pipeline_sentences,
-    read_variants,
+    read_summary,
     variant_counts_sentence,
 )
+from variants.section import kept_sentences, variants_values
+from visuohaptic.base.errors import ReportError
 
 MADE = VariantsSummary(
     verdict="no",
@@ -23,11 +26,19 @@ MADE = VariantsSummary(
 )
 
 
-def test_a_runs_own_variants_come_before_those_that_are_kept(tmp_path):
-    assert read_variants().source is not None
+def test_a_runs_own_variants_take_the_place_of_those_that_are_kept(tmp_path):
+    def context(path):
+        run = SimpleNamespace(existing_file={SUMMARY: path}.get)
+        return SimpleNamespace(run=run)
+
+    assert variants_values(context(None)) is None
+    counted, *_, measured = kept_sentences(context(None))
+    assert "variants on 12 objects" in counted
+    assert measured == "Measured on 2026-11-27."
     path = tmp_path / "variants.json"
     path.write_text(json.dumps({"variants": 9, "report": MADE.model_dump(mode="json")}))
-    assert read_variants(path) == MADE
+    assert variants_values(context(path)) == {"variants": MADE}
+    assert list(kept_sentences(context(path))) == []
 
 
 @pytest.mark.parametrize("text", ["{", "[]", '{"report": {"verdict": "perhaps"}}'])
@@ -35,7 +46,7 @@ def test_a_file_without_a_summary_is_refused_with_the_command_that_makes_one(tmp
     path = tmp_path / "variants.json"
     path.write_text(text)
     with pytest.raises(ReportError, match=r"has no summary of the variants .* variants_all` again"):
-        read_variants(path)
+        read_summary(path)
 
 
 def variants(verdict="not shown", **spread):

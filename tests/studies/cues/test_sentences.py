@@ -2,31 +2,28 @@
 
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
 from report.pages import plain
 
-import visuohaptic.report
+from cues.kept import MeasuredCues, Setting, kept_cues, kept_cues_of, read_cues
+from cues.section import kept_sentences, own_sentences
+from cues.sentences import carries_sentence, imprints_sentence
+from cues.study import STUDY
+from cues.tables import ACCURACIES
 from visuohaptic.base.errors import ReportError
 from visuohaptic.evaluation.intervals import compare_paired, object_interval
+from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.report import cues
-from visuohaptic.report.cues import (
-    SCHEMA,
-    Setting,
-    carries_sentence,
-    imprints_sentence,
-    kept_cues,
-    read_cues,
-)
 from visuohaptic.tables.schema import build_table, write_table
 
 INTERVALS = IntervalParameters()
 KEPT = {
-    file.stem.removeprefix("cues_"): pd.read_parquet(file)
-    for file in Path(visuohaptic.report.__file__).parent.glob("cues_*.parquet")
+    file.stem.removeprefix("kept_"): pd.read_parquet(file)
+    for file in (Path(__file__).parents[3] / "studies/cues").glob("kept_*.parquet")
 }
 UPRIGHT = {"tested": "new", "turns": "none", "frame": "full", "touches": 5, "strategy": "fixation"}
 NUMBER = r"([+−]?\d+\.\d)"
@@ -109,7 +106,7 @@ def check_carries(text, table):
 
 @pytest.mark.parametrize("name", KEPT)
 def test_each_number_and_each_verdict_is_that_of_the_kept_table(name):
-    text = plain(carries_sentence(name, INTERVALS))
+    text = plain(carries_sentence(kept_cues_of(name), INTERVALS))
     check_carries(text, KEPT[name])
     objects = KEPT[name].groupby(["class", "object"]).ngroups
     assert f"({objects} objects of set {name}, measured on 2" in text
@@ -155,7 +152,7 @@ def check_imprints(text, table):
 
 @pytest.mark.parametrize("name", KEPT)
 def test_each_gain_by_imprints_is_that_of_the_kept_table(name):
-    check_imprints(plain(imprints_sentence(name, INTERVALS)), KEPT[name])
+    check_imprints(plain(imprints_sentence(kept_cues_of(name), INTERVALS)), KEPT[name])
 
 
 def test_both_sets_are_kept():
@@ -178,7 +175,7 @@ def made_up(path, lifts, objects=40):
             for number, value in enumerate(values)
         ]  # fmt: skip
     columns = pd.DataFrame(rows).to_dict("list")
-    write_table(SCHEMA, build_table(SCHEMA, columns), path)
+    write_table(ACCURACIES, build_table(ACCURACIES, columns), path)
     return pd.read_parquet(path)
 
 
@@ -206,7 +203,7 @@ def lifts(**of_pipelines):
 def test_a_verdict_follows_from_the_interval_in_each_pipeline(tmp_path, means, words):
     own = tmp_path / "cues.parquet"
     table = made_up(own, lifts(**means))
-    text = plain(carries_sentence("mine", INTERVALS, own))
+    text = plain(carries_sentence(read_cues(own), INTERVALS))
     check_carries(text, table)
     assert all(word in text for word in words)
     assert "(40 objects of this run)" in text
@@ -217,20 +214,36 @@ def test_the_verdict_has_the_sign_of_an_interval_and_not_of_a_mean(tmp_path):
     own = tmp_path / "cues.parquet"
     means = {"order_free": (0.5, 0.5, 0.8, 0.7, 0.81), "paper": (0.5, 0.5, 0.8, 0.7, 0.81)}
     made_up(own, lifts(**means), objects=2)
-    text = plain(carries_sentence("mine", INTERVALS, own))
+    text = plain(carries_sentence(read_cues(own), INTERVALS))
     assert "Which of the two carries more is not settled: +" in text
 
 
-def test_figures_of_another_set_are_named_as_such(tmp_path):
-    text = plain(carries_sentence("mine", INTERVALS, tmp_path / "none.parquet"))
+def test_figures_of_another_set_are_named_as_such():
+    text = plain(carries_sentence(kept_cues_of("mine"), INTERVALS))
     largest = max(KEPT, key=lambda name: KEPT[name].groupby(["class", "object"]).ngroups)
     assert f"objects of set {largest}, measured on" in text
     assert "this run" not in text
 
 
+def test_cues_of_the_run_take_the_place_of_those_that_are_kept(tmp_path):
+    def context(path):
+        run = SimpleNamespace(
+            existing_file={STUDY.kept: path}.get, parameters=ExperimentParameters()
+        )
+        return SimpleNamespace(run=run)
+
+    assert list(own_sentences(context(None))) == []
+    assert all("12 objects of set paper" in one for one in kept_sentences(context(None)))
+    made_up(tmp_path / "cues.parquet", lifts(paper=(0.5, 0.5, 0.5, 0.5, 0.5)), objects=3)
+    own = list(own_sentences(context(tmp_path / "cues.parquet")))
+    assert all("(3 objects of this run)" in one for one in own)
+    assert len(own) == 2
+    assert list(kept_sentences(context(tmp_path / "cues.parquet"))) == []
+
+
 @pytest.mark.parametrize(("touches", "strategy"), [(7, "fixation"), (5, "human")])
 def test_what_was_not_measured_is_said_without_a_number(touches, strategy):
-    text = plain(carries_sentence("paper", INTERVALS, touches=touches, strategy=strategy))
+    text = plain(carries_sentence(kept_cues_of("paper"), INTERVALS, touches, strategy))
     assert text.startswith(
         f"What carries the accuracy was not measured for {touches} touches by strategy {strategy} ("
     )
@@ -240,11 +253,11 @@ def test_what_was_not_measured_is_said_without_a_number(touches, strategy):
 def test_a_pair_is_over_the_objects_of_both_and_a_missing_cell_is_named(tmp_path):
     path = tmp_path / "cues.parquet"
     made_up(path, lifts(paper=(0.5, 0.5, 0.5, 0.5, 0.5)), objects=3)
-    measured = read_cues(path, "mine")
+    measured = read_cues(path)
     setting = Setting("new", "none", "full", 5, "paper", "fixation")
     frame = measured.table.to_pandas()
     kept = ~((frame["cues"] == "all") & (frame["object"] == "o01"))
-    shorter = cues.MeasuredCues("mine", measured.table.filter(kept.to_numpy()))
+    shorter = MeasuredCues(measured.table.filter(kept.to_numpy()))
     triple = shorter.difference(setting, "all", "pose", INTERVALS)
     expected = difference(frame[kept], "all", "pose", **UPRIGHT, pipeline="paper")
     assert (triple.mean, triple.low, triple.high) == pytest.approx(expected)
@@ -256,4 +269,4 @@ def test_a_damaged_file_is_named(tmp_path):
     path = tmp_path / "cues.parquet"
     path.write_text("no table")
     with pytest.raises(ReportError, match=r"cues\.parquet holds no accuracies by cue .*make cues"):
-        carries_sentence("paper", INTERVALS, path)
+        read_cues(path)

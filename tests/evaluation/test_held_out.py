@@ -9,18 +9,10 @@ import pytest
 from recognition.synthetic import features_table, with_column
 
 from visuohaptic.base.errors import RecognitionError
+from visuohaptic.evaluation.held_out import evaluate_model, summarise_evaluation
 from visuohaptic.evaluation.summary import select
 from visuohaptic.recognition.model import fit_model
 from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
-from visuohaptic.studies.evaluation.models import (
-    evaluate_model,
-    read_evaluation,
-    summarise_evaluation,
-)
-from visuohaptic.studies.stored import source_of, store_table
-from visuohaptic.tables.phases import owners_of
-from visuohaptic.tables.schema import read_table, write_table
-from visuohaptic.tables.studies import EVALUATION
 
 ALL = features_table(objects=(5, 5, 5), viewpoints=4, separation=2.0)
 LEARNT = ALL.filter(pc.is_in(ALL["object"], pa.array(["object0", "object1", "object2"])))
@@ -96,22 +88,3 @@ def test_a_model_that_knows_all_objects_or_has_no_prediction_sets_is_not_evaluat
         evaluate_model(model, LEARNT)
     with pytest.raises(RecognitionError, match="no prediction sets"):
         evaluate_model(dataclasses.replace(model, certainties={}), ALL)
-
-
-def test_what_was_measured_is_read_before_what_is_kept(evaluated, tmp_path):
-    path = tmp_path / "evaluation.parquet"
-    write_table(EVALUATION, evaluated, path)
-    measured = read_evaluation(path)
-    assert (measured.table.num_rows, measured.source) == (evaluated.num_rows, None)
-    store_table(EVALUATION, path, tmp_path / "kept.parquet", "visuohaptic evaluate", "a processor")
-    assert source_of(tmp_path / "kept.parquet").command == "visuohaptic evaluate"
-    assert read_table(EVALUATION, tmp_path / "kept.parquet").equals(measured.table)
-
-
-def test_the_package_keeps_the_odd_objects_by_two_strategies():
-    kept = read_evaluation(None)
-    assert len(set(owners_of(kept.table))) == 22
-    assert kept.table["strategy"].unique().to_pylist() == ["fixation", "random"]
-    assert kept.table["learnt"].unique().to_pylist() == [142]
-    assert set(kept.table["views"].to_pylist()) == {1, 4, 16}
-    assert "visuohaptic evaluate" in kept.source.command

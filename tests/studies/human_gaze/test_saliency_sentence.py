@@ -1,18 +1,13 @@
-"""The report's sentence on people's gaze is that of the table that the workflow hands it."""
-
-import json
-from pathlib import Path
+"""The sentence on people's gaze is that of the means of the table."""
 
 import pandas as pd
 import pyarrow as pa
-import pyarrow.parquet as pq
 import pytest
 
-from visuohaptic.base.errors import ReportError
+from human_gaze.saliency_sentence import gaze_sentence, relation
+from human_gaze.section import KEPT, sentences
 from visuohaptic.report.estimates import Figure
-from visuohaptic.report.gaze import gaze_sentence, relation
 
-KEPT = Path(__file__).parents[2] / "studies/human_gaze/agreement.parquet"
 ROWS = [
     {"object": one, "predictor": predictor, "part": part, "correlation": correlation}
     for predictor, equal in (("equal", 0.1), ("chosen", 0.5), ("facing", 0.9))
@@ -24,14 +19,8 @@ ROWS = [
 ]
 
 
-def written(folder, rows, metadata=None):
-    table = pa.Table.from_pylist(rows).replace_schema_metadata(metadata)
-    pq.write_table(table, folder / "agreement.parquet")
-    return folder / "agreement.parquet"
-
-
-def test_means_are_those_of_the_objects_held_out(tmp_path):
-    found = gaze_sentence(written(tmp_path, ROWS, {"origin": json.dumps({"date": "2026-01-02"})}))
+def test_means_are_those_of_the_objects_held_out():
+    found = gaze_sentence(pa.Table.from_pylist(ROWS), "2026-01-02")
     assert "on 2 objects with recorded gaze (measured on 2026-01-02, not in this run)" in found
     # Two objects can't exclude a correlation of 0.
     assert "saliency is unrelated to people's gaze on 2 objects" in found
@@ -62,18 +51,7 @@ def test_the_words_on_the_kept_table_are_those_of_its_means():
     assert 0.1 <= means["equal"] < 0.3
     assert means["chosen"] >= 0.5
     count = rows[rows["predictor"] == "equal"]["object"].nunique()
-    found = gaze_sentence(KEPT)
+    (found,) = sentences(None)
     assert f"saliency is weakly related to people's gaze on {count} objects" in found
     assert f"looked at each place is {means['equal']:.2f} (" in found
     assert f"saliency is strongly related to people's gaze: {means['chosen']:.2f} (" in found
-
-
-def test_without_a_table_there_is_no_sentence_and_another_table_is_refused(tmp_path):
-    assert gaze_sentence(None) == ""
-    (tmp_path / "text.parquet").write_text("no table")
-    for path in (tmp_path / "text.parquet", written(tmp_path, ROWS)):
-        with pytest.raises(
-            ReportError,
-            match=rf"{path.name} holds no table of agreement with gaze .*; `git checkout .* restores",
-        ):
-            gaze_sentence(path)

@@ -1,12 +1,7 @@
-"""The summary of all variants of the paper for the report.
-
-Study ``studies/variants`` of the repository computes the verdict and the sentences by its rules. A run of the study
-writes them; `variants.json` beside this file keeps the summary of an earlier run.
-"""
+"""The result of all variants together, and sentences on it."""
 
 from __future__ import annotations
 
-from importlib.resources import files
 from pathlib import Path
 from typing import Literal
 
@@ -17,13 +12,11 @@ from visuohaptic.report.comparison import SIGNIFICANCE
 from visuohaptic.report.estimates import read_json
 from visuohaptic.report.wording import classifier_name, listed, percent, probability
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
-from visuohaptic.studies.stored import Source
+from visuohaptic.studies.keeping import Source
 
 Verdict = Literal["yes", "no", "depends", "not shown"]
 
-KEPT = "variants.json"
-
-VARIANTS = "reports/variants.json"
+SUMMARY = "reports/variants.json"
 """The file that a run of the study writes."""
 
 
@@ -104,14 +97,8 @@ class VariantsSummary(BaseModel):
     source: Source | None = None
 
 
-def read_variants(path: Path | None = None) -> VariantsSummary:
-    """Read the summary of a run of the study, ``reports/variants.json``; without a path, the kept summary.
-
-    Raises `ReportError` if the file is damaged.
-    """
-    if path is None:
-        kept = files("visuohaptic.report").joinpath(KEPT).read_text("utf-8")
-        return VariantsSummary.model_validate_json(kept)
+def read_summary(path: Path) -> VariantsSummary:
+    """Read the summary that a run of the study wrote, `SUMMARY`. Raises `ReportError` if the file is damaged."""
     return read_json(
         path,
         lambda stored: VariantsSummary.model_validate(stored["report"]),

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
-
 import numpy as np
+import pyarrow as pa
 
-from visuohaptic.base.errors import ReportError, TableError
 from visuohaptic.evaluation.intervals import CORRELATION, object_interval
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.estimates import Figure, estimate, with_interval
 from visuohaptic.report.wording import decimal
-from visuohaptic.tables.schema import open_parquet
 
 PREDICTORS = ("equal", "chosen")
 """Saliency with equal weights of all channels, and with weights and terms fitted to other objects."""
@@ -41,39 +37,16 @@ def relation(correlation: Figure) -> str:
     )
 
 
-def gaze_sentence(path: str | Path | None) -> str:
-    """Return the sentences on a table of agreement; empty if `path` is None.
-
-    The table has one row per object and predictor, with the columns ``object``, ``predictor``, ``part`` and
-    ``correlation``. The JSON value ``origin`` in its metadata has its date.
-
-    Raises
-    ------
-    ReportError
-        If the file is no such table.
-    """
-    if path is None:
-        return ""
-    try:
-        table = open_parquet(path).read()
-        date = json.loads(table.schema.metadata[b"origin"])["date"]
-        rows = [row for row in table.to_pylist() if row["part"] == "training"]
-        correlations = {(row["predictor"], row["object"]): row["correlation"] for row in rows}
-        objects = sorted({row["object"] for row in rows})
-        values = np.array(
-            [[correlations[name, key] for name in PREDICTORS] for key in objects], float
-        )
-        weights = np.ones(len(objects))
-        intervals = [
-            object_interval(column, weights, IntervalParameters(), CORRELATION)
-            for column in values.T
-        ]
-    except (OSError, TableError, ValueError, LookupError, TypeError) as error:
-        why = " ".join(str(error).split()).rstrip(".")
-        raise ReportError(
-            f"{path} holds no table of agreement with gaze ({why}); "
-            f"`git checkout {path}` restores the kept one."
-        ) from error
+def gaze_sentence(table: pa.Table, date: str) -> str:
+    """Return sentences on rows of `AGREEMENT` for objects to which no weights were fitted, measured on a date."""
+    rows = [row for row in table.to_pylist() if row["part"] == "training"]
+    correlations = {(row["predictor"], row["object"]): row["correlation"] for row in rows}
+    objects = sorted({row["object"] for row in rows})
+    values = np.array([[correlations[name, key] for name in PREDICTORS] for key in objects], float)
+    weights = np.ones(len(objects))
+    intervals = [
+        object_interval(column, weights, IntervalParameters(), CORRELATION) for column in values.T
+    ]
     equal, fitted = map(estimate, intervals)
     return (
         f"With equal weights of all channels, saliency is {relation(equal)} to people's gaze on {len(objects)} objects with "

@@ -1,1 +1,0 @@
-"""Evaluate fitted models on objects that they were not trained on."""
