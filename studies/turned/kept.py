@@ -21,11 +21,13 @@ from visuohaptic.tables.schema import read_table
 
 FOLDER = Path(__file__).parent
 
-KNOWN: Mapping[Known, str] = {
-    **KNOWN_FRAMES,
-    STATISTICS: "nothing, without waves",
-    TRAINED_UPRIGHT: "all is assumed, fitted on upright objects",
-}
+KNOWN: Mapping[Known, str] = dict(
+    [
+        *KNOWN_FRAMES.items(),
+        (STATISTICS, "nothing, without waves"),
+        (TRAINED_UPRIGHT, "all is assumed, fitted on upright objects"),
+    ]
+)
 """The known part of the frame, in words."""
 
 HEADLINE_TOUCHES = 5

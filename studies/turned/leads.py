@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -183,11 +184,10 @@ def _of_draws(kept: KeptSet) -> dict[_Condition, dict[str, _Measured]]:
 def _of_turns(kept: TurnedSet) -> dict[_Condition, dict[str, _Measured]]:
     """Return the accuracies of turned objects after `HEADLINE_TOUCHES`, by condition and strategy."""
     found: dict[_Condition, dict[str, _Measured]] = {}
-    for cell in kept.cells:
-        if cell.touches == HEADLINE_TOUCHES and cell.known in KNOWN:
-            mean = _tested(kept.objects, cell)
-            by_strategy = found.setdefault((cell.pipeline, cell.turns, cell.known), {})
-            by_strategy[cell.strategy] = _Measured(mean, cell.draws)
+    for frame, cell in product(KNOWN, kept.cells):
+        if cell.touches == HEADLINE_TOUCHES and cell.known == frame:
+            by_strategy = found.setdefault((cell.pipeline, cell.turns, frame), {})
+            by_strategy[cell.strategy] = _Measured(_tested(kept.objects, cell), cell.draws)
     return found
 
 

@@ -148,6 +148,14 @@ def test_figures_of_other_objects_stand_in_one_folded_part_only(source, page):
     assert "open" not in inside[0].attributes
 
 
+@pytest.mark.slow
+def test_without_the_studies_of_the_repository_no_figure_of_other_objects_is_shown(files):
+    page = read_page(render(replace(files, study_folders=())))
+    assert EARLIER.findall(page.text) == []
+    assert "before" not in page.values("id")
+    assert "Other objects" not in page.texts
+
+
 @pytest.mark.parametrize(
     "other",
     [

@@ -140,8 +140,10 @@ def study_sections(folders: Iterable[str | Path]) -> list[Section]:
     sections: list[Section] = []
     for study, path in section_files(folders).items():
         module = import_file(path, study)
-        brought = getattr(module, "SECTIONS", (getattr(module, "SECTION", None),))
-        if not brought or not all(isinstance(section, Section) for section in brought):
+        brought: Sequence[Any] = getattr(module, "SECTIONS", ()) or [
+            getattr(module, "SECTION", None)
+        ]
+        if not all(isinstance(section, Section) for section in brought):
             raise ReportError(
                 f"{path} has no SECTION; one Section, or a sequence SECTIONS, is needed."
             )
