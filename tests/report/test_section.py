@@ -165,7 +165,7 @@ SAID = (
     "Eye fixations, 2 touches 20 18–23 50.0 25.0–100.0 5.0 5.0 5.0 5.0 dominated",
     "Imprint, 8 × 8 – – – – – – failed: images are too small.",
     "Share of the objects of known classes whose class is in the set",
-    "What imprints add to positions and normals in pipeline order_free: pose known, five touches: +",
+    "pose known, five touches: +",
     "(4 objects of this run)",
     "Eye fixations 4 100.0 % 44.6 % to 100.0 % 75.0 % 21.2 % to 99.3 % 1.00 0.0 %",
     "75.0 % of the objects of known classes (90 % stated); 50.0 % of the objects of unknown",
