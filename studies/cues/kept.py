@@ -1,4 +1,4 @@
-"""The accuracies by cue of a run, or those that are kept, by set of objects."""
+"""The accuracies by cue of a run, or the kept accuracies by set of objects."""
 
 from __future__ import annotations
 

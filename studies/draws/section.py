@@ -10,7 +10,7 @@ from visuohaptic.report.section import OTHER_OBJECTS, ReportContext, sentences_s
 
 
 def sentences(context: ReportContext) -> Iterator[str]:
-    """Yield one sentence per pipeline of the run of which draws on the run's set are kept."""
+    """Yield one sentence per pipeline of the run with kept draws on the set of the run."""
     for table in context.run.pipelines:
         kept = read_draws(context.run.parameters.meshes.set, table.name)
         if kept is not None:

@@ -1,4 +1,4 @@
-"""The sections of the report on all variants: of this run, and else those that are kept."""
+"""The sections of the report on all variants: measured in this run, or else kept."""
 
 from __future__ import annotations
 
