@@ -165,7 +165,7 @@ _Arrays = dict[str, FloatArray]
 
 def _read_text(data: bytes, path: Path) -> _Arrays:
     try:
-        table = read_text_table(data, str(path), MOST_POINTS, _COLUMNS, {*_PLACE})
+        table = read_text_table(data, str(path), MOST_POINTS, {*_PLACE})
         names = tuple(name.lower() for name in table.names) or _unnamed_columns(table)
         groups: dict[str, tuple[str, ...]] = {"seconds": _SECONDS}
         if names != _SECONDS:

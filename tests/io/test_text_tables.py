@@ -16,8 +16,8 @@ USUAL = st.floats(-1000, 1000).map(lambda value: float(f"{value:.4g}"))
 TEXT = st.text("abc ,;é\"'", min_size=1, max_size=6).map(lambda text: f"a{text}a")
 
 
-def read(text, widths=(), encoding="utf-8"):
-    table = read_text_table(text.encode(encoding), "table.txt", 1000, widths, {"x", "y"})
+def read(text, encoding="utf-8"):
+    table = read_text_table(text.encode(encoding), "table.txt", 1000, {"x", "y"})
     return table.names, table.numbers(range(len(table.columns))).tolist()
 
 
@@ -33,7 +33,6 @@ def written(draw):
                 (",", "."),
                 (";", "."),
                 ("\t", "."),
-                ("|", "."),
                 (" ", "."),
                 (";", ","),
                 ("\t", ","),
@@ -56,7 +55,7 @@ def written(draw):
         quoting=draw(st.sampled_from([csv.QUOTE_MINIMAL, csv.QUOTE_ALL])),
     )
     writer.writerows([[*names, "text"], *cells] if names else cells)
-    encoding = draw(st.sampled_from(["utf-8", "utf-8-sig", "utf-16", "utf-32"]))
+    encoding = draw(st.sampled_from(["utf-8", "utf-8-sig", "utf-16"]))
     comment = draw(st.sampled_from(["", "# a comment, with; signs\n", "\n\n"]))
     return rows, (comment + stream.getvalue()).encode(encoding)
 
@@ -97,16 +96,16 @@ def read_or_refused(data):
         ("0,1 0,2\n0,4 1\n", [[0.1, 0.2], [0.4, 1]]),
         ("0.1, 0.2\n0.4, 1\n", [[0.1, 0.2], [0.4, 1]]),
         ("  0.1   0.2 \n\n0.4\t1\n", [[0.1, 0.2], [0.4, 1]]),
-        ("0,1;0,2;\n0,4;1;\n", [[0.1, 0.2], [0.4, 1]]),
+        ("0,1;0,2\n0,4;1\n", [[0.1, 0.2], [0.4, 1]]),
         ('"0,1","0,2"\n"0,4","1"\n', [[0.1, 0.2], [0.4, 1]]),
-        ("0.1 0.2 # first\n% second\n// third\n0.4 1", [[0.1, 0.2], [0.4, 1]]),
-        ("−0.1 +0.2\n.4 1.", [[-0.1, 0.2], [0.4, 1]]),
-        ("0,5\n1,25\n", [[0.5], [1.25]]),
-        ("1,2,3,4\n", [[1, 2, 3, 4]]),
+        ("0.1 0.2\n# second\n0.4 1", [[0.1, 0.2], [0.4, 1]]),
+        ("-0.1 +0.2\n.4 1.", [[-0.1, 0.2], [0.4, 1]]),
+        ("0.5\n1.25\n", [[0.5], [1.25]]),
+        ("1,2.5,3\n1,2,3\n", [[1, 2.5, 3], [1, 2, 3]]),
     ],
 )
 def test_rows_of_numbers_without_a_header_are_read(text, rows):
-    assert read(text, widths=(1, 4)) == ((), rows)
+    assert read(text) == ((), rows)
 
 
 @pytest.mark.parametrize(
@@ -114,8 +113,8 @@ def test_rows_of_numbers_without_a_header_are_read(text, rows):
     [
         ("sep=;\nx;y\n0,1;0,2\n", ("x", "y"), [[0.1, 0.2]]),
         ("x y\n0,1 0,2\n", ("x", "y"), [[0.1, 0.2]]),
-        ("x, y\n0,1 0,2\n", ("x", "y"), [[0.1, 0.2]]),
-        ("x,y\n1,2,\n", ("x", "y"), [[1, 2]]),
+        ("x, y\n0.1, 0.2\n", ("x", "y"), [[0.1, 0.2]]),
+        ("the x,y\n1,2\n", ("the x", "y"), [[1, 2]]),
         ("y\n0,5\n", ("y",), [[0.5]]),
         ("# y x\n1 2\n", ("y", "x"), [[1, 2]]),
         ("# y x of a part\n1 2\n", (), [[1, 2]]),
@@ -132,18 +131,23 @@ def test_a_header_names_the_columns(text, names, rows):
         ("\n1 2\n3 4 5\n", "line 3 has 3 cells; 2 are needed, as in the first row"),
         (
             "x,y\n0,5,1,2\n",
-            "line 2 has 4 cells, .* header in line 1 2 names; if its commas are decimal",
+            "line 2 has 4 cells; 2 are needed, as in the header; if its commas are decimal signs",
         ),
         (
             "0,5,1,25\n",
-            "line 1: its commas may separate 4 whole numbers, or be decimal signs of 2 numbers",
+            "line 1: its commas may separate 4 whole numbers, or be decimal signs; write",
         ),
         (
             "1,234;1,500\n",
             "column 1 is '1,234': its comma may be a decimal sign or separate thousands",
         ),
-        ("1,5;2.5\n", "column 1 is '1,5': other cells have points"),
+        ("1,5;2.5\n", "column 1 is '1,5': a number with one decimal sign .* the same sign in all"),
         ("1.234,5;2\n", r"column 1 is '1\.234,5': a number with one decimal sign and no thousands"),
+        ("0,5\n1,25\n", "may separate 2 whole numbers, or be decimal signs"),
+        ("x|y\n1|2\n", r"line 2, column x\|y is '1\|2': a number is needed"),
+        ("x;y\n1;2;\n", "line 2 has 3 cells; 2 are needed"),
+        ("1 2 # of a part\n3 4\n", "line 2 has 2 cells; 6 are needed"),
+        ("−1 2\n", "column 1 is '−1': a number is needed"),
         ("1 2\n3 a\n", "line 2, column 2 is 'a'"),
         ("1 1_0\n", "column 2 is '1_0'"),
         ("1 1e400\n", "column 2 is '1e400': a finite number"),
@@ -151,7 +155,6 @@ def test_a_header_names_the_columns(text, names, rows):
         ("x,y\n", "header in line 1 and no row"),
         ("# 1 2\n", "no rows"),
         ("1\n" * 1001, "more than 1,000 rows"),
-        ("1\n" * 200_000, "more than 1,000 rows"),
         (" ".join(["1"] * 1001), "1,001 columns"),
     ],
 )
@@ -164,11 +167,10 @@ def test_text_without_a_byte_order_mark_is_utf_8_or_latin_1():
     assert read("Größe\n1\n", encoding="latin-1") == (("Größe",), [[1]])
     with pytest.raises(TableError, match=r"UTF-16 without a byte order mark"):
         read("x y\n1 2\n", encoding="utf-16-le")
-    with pytest.raises(TableError, match="byte order mark of UTF-16"):
-        read_text_table("x".encode("utf-16") + b"x", "table.txt", 1)
 
 
-@pytest.mark.parametrize("line", ["1," * 500_000 + "1", "# " + "x" * 10**6])
-def test_a_line_of_very_many_characters_is_refused_before_it_is_split(line):
-    with pytest.raises(TableError, match=r"a\.csv, line 2 has 1,000,00[12] characters; at most"):
-        read_text_table(f"x,y\n{line}\n1,2\n".encode(), "a.csv", 10)
+@pytest.mark.parametrize("separator", [",", " "])
+def test_a_line_of_very_many_cells_is_refused_by_its_number(separator):
+    line = f"1{separator}" * 500_000 + "1"
+    with pytest.raises(TableError, match=r"a\.csv, line 2 has 500,001 cells; 2 are needed"):
+        read_text_table(f"x{separator}y\n{line}\n".encode(), "a.csv", 10)

@@ -48,7 +48,7 @@ def read_poses(path: str | Path) -> FloatArray:
     Parameters
     ----------
     path : path
-        A text table, as spreadsheets of any locale write it (`io.text_tables`), with the columns x, y, z. The
+        A text table, as spreadsheets write it (`io.text_tables`), with the columns x, y, z. The
         direction is a quaternion, columns qw, qx, qy, qz, or a normal away from the object, columns normal_x,
         normal_y, normal_z. Neither may have length 0. Column roll (degrees) may stand beside a normal. Other
         columns are ignored.

@@ -55,7 +55,7 @@ def test_an_archive_says_the_same_as_a_text(tmp_path):
         ("0 0 0 1\n0 0 0 nan\n", "line 2, column 4 is 'nan': a finite number is needed"),
         ("0 0 inf 1\n", "line 1, column 3 is 'inf'"),
         ("time,x,y,z\n1,2,3,4\n", "0 columns seconds in its header"),
-        ("0,1,0,2,0,3,1,5\n", "commas may separate 8 whole numbers, or be decimal signs of 4"),
+        ("0,1,0,2,0,3,1,5\n", "commas may separate 8 whole numbers, or be decimal signs; write"),
         ("0 0 0 -1\n", "below 0"),
         ("0 0 0 0\n", "or only zeros"),
         ("1\n" * 10_000, r"larger than 0\.01 MB"),
