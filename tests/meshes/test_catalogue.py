@@ -6,6 +6,7 @@ from collections import Counter
 from contextlib import suppress
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from meshreaders.base.errors import MeshError
@@ -13,6 +14,7 @@ from meshreaders.companions import FolderCompanions
 from visuohaptic.base.errors import CatalogueError
 from visuohaptic.geometry.surface import read_surface
 from visuohaptic.meshes.catalogue import (
+    TEST_CLASSES,
     check_classes,
     check_name,
     check_objects,
@@ -41,6 +43,21 @@ def test_each_set_has_its_classes_and_every_model_may_be_passed_on():
     folder = CATALOGUE.parent / "paper"
     shipped = {f"{file.parent.name}/{file.name}" for file in folder.glob("*/*.ply.gz")}
     assert shipped == {f"{model.key}.ply.gz" for model in paper}
+
+
+def test_all_objects_are_in_classes_of_three_and_test_classes_are_drawn_from_the_new_classes():
+    sets = ("benchmark", "hard", "all", "odd")
+    benchmark, hard, every, odd = (models_of_set(CATALOGUE, name) for name in sets)
+    assert (
+        len(every) == len({model.member for model in every}) == len({model.key for model in every})
+    )
+    assert {*benchmark, *hard} < {*every}
+    assert {model.member for model in every}.isdisjoint(model.member for model in odd)
+    counts = Counter(model.category for model in every)
+    assert (len(every), len(counts), min(counts.values())) == (297, 40, 3)
+    new = sorted({*counts} - {model.category for model in (*benchmark, *hard)})
+    drawn = np.random.default_rng(2018).choice(new, 7, replace=False)
+    assert sorted(drawn.tolist()) == list(TEST_CLASSES)
 
 
 def test_the_own_set_has_no_object_of_the_catalogue_and_needs_no_catalogue(tmp_path):

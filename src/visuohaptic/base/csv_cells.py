@@ -8,12 +8,11 @@ _BEGINNINGS = ("=", "+", "-", "@", "\t", "\r")
 
 
 def is_formula(text: str) -> bool:
-    """Return whether a spreadsheet runs a cell as a formula: text that begins with = + - @, tab or CR, except numbers."""
+    """Return whether a spreadsheet runs a cell as a formula: text that begins with = + - @, tab or CR, except numbers with blanks between."""
     if not text.startswith(_BEGINNINGS):
         return False
     with suppress(ValueError):
-        float(text)
-        return False
+        return not [float(word) for word in text.split()]
     return True
 
 

@@ -17,12 +17,20 @@ from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.base.csv_cells import is_formula
 from visuohaptic.base.errors import CatalogueError
 
-ObjectSet = Literal["paper", "benchmark", "outside", "hard", "odd", "own"]
+ObjectSet = Literal["paper", "benchmark", "outside", "hard", "all", "odd", "own"]
 """Names of sets of objects. The user's own models are added to each set.
 
 `paper`: 12 objects in 4 classes. `benchmark`: 142 objects in 12 classes, with all objects of `paper`. `outside`: the
-130 objects of `benchmark` that are not in `paper`. `hard`: the plants. `odd`: 22 unusual objects of four of the twelve
-classes, only for tests. `own`: no object of the catalogue.
+130 objects of `benchmark` that are not in `paper`. `hard`: the plants. `all`: 297 objects in 40 classes, with all
+objects of `benchmark` and `hard`. `odd`: 22 unusual objects of four of the twelve classes, only for tests. `own`: no
+object of the catalogue.
+"""
+
+TEST_CLASSES = ("bench", "bin", "coffee_machine", "cutlery", "hood", "vase", "window")
+"""Classes of set `all` that are only for tests: no setting is chosen by them, and no kept model is trained on them.
+
+Drawn by lot from the 27 classes that only `all` has: ``numpy.random.default_rng(2018).choice(classes, 7, replace=False)``
+of the sorted names.
 """
 
 # Files that are ignored in the folder of own models.
@@ -33,6 +41,7 @@ _MEMBERS_OF_SET = {
     "benchmark": ("paper", "benchmark"),
     "outside": ("benchmark",),
     "hard": ("hard",),
+    "all": ("paper", "benchmark", "hard", "all"),
     "odd": ("odd",),
     "own": (),
 }
