@@ -23,7 +23,7 @@ from visuohaptic.fixations.rendering import Views, render_views
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.sensor.touching import touch
+from visuohaptic.sensor.sensing import touch
 
 RAYS = 20_000
 IMAGES = 256

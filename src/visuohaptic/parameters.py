@@ -12,7 +12,7 @@ from pydantic import Field, ValidationError, model_validator
 
 from visuohaptic.active.parameters import ProbingParameters
 from visuohaptic.attention.parameters import AttentionParameters
-from visuohaptic.base.draws import draw_of
+from visuohaptic.base.draw_names import draw_of
 from visuohaptic.base.errors import ParameterError
 from visuohaptic.base.section import Section
 from visuohaptic.base.wrong_values import needed_value, unknown_parameter

@@ -8,7 +8,7 @@ from typing import Any
 import pyarrow as pa
 
 from draws.tables import DRAWS
-from visuohaptic.base.draws import draw_of
+from visuohaptic.base.draw_names import draw_of
 from visuohaptic.base.errors import ReportError
 from visuohaptic.studies.figures import Cell, CellKey, read_cells
 from visuohaptic.studies.keeping import write_measured

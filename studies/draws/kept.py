@@ -11,8 +11,8 @@ import pyarrow as pa
 
 from draws.tables import DRAWS
 from visuohaptic.base.errors import ReportError, TableError
-from visuohaptic.evaluation.draws import LeadOverDraws, ObjectAccuracies, lead_over_draws
 from visuohaptic.evaluation.leads import DrawnAccuracies
+from visuohaptic.evaluation.means_over_draws import LeadOverDraws, ObjectAccuracies, lead_over_draws
 from visuohaptic.report.wording import classifier_name, counted, percent_points, points
 from visuohaptic.studies.figures import rows_by
 from visuohaptic.studies.keeping import Source, kept_files, read_source

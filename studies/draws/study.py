@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from variants.design import LITERAL, Variant
-from visuohaptic.base.draws import name_of_draw
+from visuohaptic.base.draw_names import name_of_draw
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS, ONE_CLASSIFIER
 from visuohaptic.studies.study import Changes, Condition, Step, Study

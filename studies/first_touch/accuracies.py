@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import pyarrow as pa
 
-from visuohaptic.base.draws import draw_of
+from visuohaptic.base.draw_names import draw_of
 from visuohaptic.base.errors import ReportError
 from visuohaptic.studies.figures import Cell, CellKey, read_cells
 from visuohaptic.studies.keeping import write_measured

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from visuohaptic.attention.registry import CHANNELS
-from visuohaptic.base.draws import draw_of, name_of_draw
+from visuohaptic.base.draw_names import draw_of, name_of_draw
 from visuohaptic.fixations.probing import PLANNED
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.parameters import ExperimentParameters

@@ -38,7 +38,7 @@ from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table, write_table
 from visuohaptic.tables.studies import STUDY
 from visuohaptic.touches.choosing import in_reach
-from visuohaptic.touches.touching import touch_part
+from visuohaptic.touches.touch_table import touch_part
 
 CANDIDATES = 256
 """Candidates per object for `adaptive`; a viewpoint has the candidates that it sees."""

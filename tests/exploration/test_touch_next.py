@@ -8,11 +8,11 @@ import pytest
 import trimesh
 
 import visuohaptic as vh
-from visuohaptic.active import touching as driving
+from visuohaptic.active import sessions
 from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.base.errors import ParameterError
-from visuohaptic.exploration import touching
-from visuohaptic.exploration.touching import SCHEMAS
+from visuohaptic.exploration import touching_points
+from visuohaptic.exploration.touching_points import SCHEMAS
 
 PLACES = np.array([[1.0, 0, 0], [0, 1.0, 0], [0, 0, -1.0]])
 NOISY = {"scene.preset": "worn_fsr"}
@@ -98,13 +98,13 @@ def test_the_time_of_choosing_is_no_time_of_touching(ball, monkeypatch):
         now[0] += 3.0
         return view.places.points[len(touches)]
 
-    start = driving.start_sessions
+    start = sessions.start_sessions
     monkeypatch.setattr(
-        driving,
+        sessions,
         "start_sessions",
         lambda *given: [replace(session, clock=lambda: now[0]) for session in start(*given)],
     )
-    monkeypatch.setattr(touching, "time", SimpleNamespace(perf_counter=lambda: now[0]))
+    monkeypatch.setattr(touching_points, "time", SimpleNamespace(perf_counter=lambda: now[0]))
     entries = {"ponder": vh.Policy("ponder", "ponder", ponder)}
     monkeypatch.setattr(STRATEGIES, "_entries", entries)
     made = ball.touch(viewpoints=2, strategy="ponder")

@@ -84,7 +84,7 @@ def test_locations_depend_on_their_own_viewpoint_alone_and_fewer_are_the_first_o
     assert few.equals(many.slice(0, 3 + SPARE))
 
 
-@pytest.mark.parametrize("strategy", PLANNED, ids=lambda strategy: strategy.name)
+@pytest.mark.parametrize("strategy", [*PLANNED], ids=lambda strategy: strategy.name)
 def test_places_change_with_seed_viewpoint_and_view_as_their_entry_says(looks, strategy):
     first, seeded, other = (
         locate(looks[place], strategy.name, ATTENTION, seed)

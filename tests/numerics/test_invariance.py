@@ -31,7 +31,7 @@ from visuohaptic.meshes.preparing import normalise
 from visuohaptic.recognition.encoding import SequenceEncoder
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.sensor.touching import touch
+from visuohaptic.sensor.sensing import touch
 from visuohaptic.stability.findings import Finding
 
 STEPS = 16

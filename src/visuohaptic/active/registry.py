@@ -11,7 +11,7 @@ from pydantic import ValidatorFunctionWrapHandler, WrapValidator
 
 from visuohaptic.active import seek_relief
 from visuohaptic.active.policies import Policy
-from visuohaptic.base.draws import DRAW_MARK
+from visuohaptic.base.draw_names import DRAW_MARK
 from visuohaptic.base.errors import RegistryError
 from visuohaptic.base.registry import Registry
 from visuohaptic.fixations.probing import PLANNED, Strategy, entry_of

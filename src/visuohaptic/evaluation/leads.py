@@ -10,14 +10,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from visuohaptic.evaluation.draws import (
+from visuohaptic.evaluation.intervals import PairedComparison, compare_paired, plain_comparison
+from visuohaptic.evaluation.means_over_draws import (
     ObjectAccuracies,
     in_common,
     lead_over_draws,
     mean_over_draws,
     plain_lead,
 )
-from visuohaptic.evaluation.intervals import PairedComparison, compare_paired, plain_comparison
 from visuohaptic.recognition.parameters import IntervalParameters
 
 Question = Literal["seeing", "salience"]

@@ -13,16 +13,6 @@ from numpy.typing import NDArray
 
 from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import RecognitionError
-from visuohaptic.evaluation.draws import (
-    CellKey,
-    FurtherDraws,
-    ObjectAccuracies,
-    further_draws,
-    in_common,
-    lead_over_draws,
-    mean_over_draws,
-    plain_lead,
-)
 from visuohaptic.evaluation.intervals import (
     balanced_class_interval,
     balanced_interval,
@@ -33,6 +23,16 @@ from visuohaptic.evaluation.intervals import (
     plain_interval,
 )
 from visuohaptic.evaluation.leads import DrawnAccuracies, compare_by_lead
+from visuohaptic.evaluation.means_over_draws import (
+    CellKey,
+    FurtherDraws,
+    ObjectAccuracies,
+    further_draws,
+    in_common,
+    lead_over_draws,
+    mean_over_draws,
+    plain_lead,
+)
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.voting import vote_credit
 from visuohaptic.tables.phases import owners_of

@@ -49,7 +49,7 @@ from visuohaptic.exploration.sources import (
     read_source,
     with_axes,
 )
-from visuohaptic.exploration.touching import (
+from visuohaptic.exploration.touching_points import (
     SCHEMAS,
     Track,
     touch_given_points,

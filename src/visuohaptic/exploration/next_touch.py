@@ -16,7 +16,7 @@ from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import ParameterError
 from visuohaptic.exploration.checking import numbers
 from visuohaptic.exploration.recognising import GIVEN
-from visuohaptic.exploration.touching import SCHEMAS, Explored, nearest_locations
+from visuohaptic.exploration.touching_points import SCHEMAS, Explored, nearest_locations
 from visuohaptic.features.describing import describe_touches
 from visuohaptic.fixations.locations import location_table
 from visuohaptic.geometry.raycasting import RayCaster
@@ -28,7 +28,7 @@ from visuohaptic.scene.records import EffectRecord, merge_records
 from visuohaptic.tables.phases import FEATURES, NORMAL_NAMES
 from visuohaptic.tables.schema import images, join_parts, matrix
 from visuohaptic.touches.choosing import in_reach, with_touch_numbers
-from visuohaptic.touches.touching import touch_part
+from visuohaptic.touches.touch_table import touch_part
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pictures.imprint_scale import imprint_scale
 from visuohaptic.tables.phases import POINT_NAMES
 from visuohaptic.tables.schema import images, matrix
-from visuohaptic.touches.touching import touch_squares
+from visuohaptic.touches.touch_table import touch_squares
 
 VIEW_PIXELS = 320
 IMPRINT_PIXELS = 84

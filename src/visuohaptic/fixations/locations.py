@@ -9,7 +9,7 @@ import pyarrow as pa
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.attention.scanpath import Scanpath
-from visuohaptic.base.draws import draw_of
+from visuohaptic.base.draw_names import draw_of
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.fixations.attended_views import Viewpoint
 from visuohaptic.fixations.places import ProbingLocations, is_visible, turn_towards

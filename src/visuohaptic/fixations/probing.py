@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from visuohaptic.base.draws import DRAW_MARK
+from visuohaptic.base.draw_names import DRAW_MARK
 from visuohaptic.base.errors import RegistryError
 from visuohaptic.base.registry import Registry
 from visuohaptic.fixations.places import Unreachable, check_unreachable

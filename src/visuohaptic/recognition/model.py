@@ -15,7 +15,7 @@ from sklearn.pipeline import Pipeline
 
 from visuohaptic import __version__
 from visuohaptic.base.arrays import FloatArray, IntArray
-from visuohaptic.base.draws import draw_of
+from visuohaptic.base.draw_names import draw_of
 from visuohaptic.base.errors import RecognitionError, TableError
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.recognition.certainty import Certainty, fit_certainty, least_known_objects

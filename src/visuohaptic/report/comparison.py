@@ -6,8 +6,8 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from visuohaptic.evaluation.draws import LeadOverDraws
 from visuohaptic.evaluation.intervals import holm
+from visuohaptic.evaluation.means_over_draws import LeadOverDraws
 from visuohaptic.evaluation.published import PAPER_PIPELINE, TABLE_1
 from visuohaptic.report.estimates import Figure, measured
 from visuohaptic.report.wording import (

@@ -21,7 +21,7 @@ from visuohaptic.sensor.example_shapes import touch_gallery
 from visuohaptic.studies.effects.influence import measured_scenes
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import EFFECT_INFLUENCE
-from visuohaptic.touches.touching import touch_locations
+from visuohaptic.touches.touch_table import touch_locations
 
 _SAME = {True: "bit for bit", False: "no", None: "effects are off"}
 

@@ -22,7 +22,7 @@ from visuohaptic.report.shown import OBJECTS_AT_MOST
 from visuohaptic.report.wording import anchor_of, place_in_view, strategy_name
 from visuohaptic.tables.phases import by_object, key_of, keys_of
 from visuohaptic.tables.schema import images
-from visuohaptic.touches.touching import touch_squares
+from visuohaptic.touches.touch_table import touch_squares
 
 PredictionCounts = Mapping[tuple[str, int], Counter[str]]
 """How often each class was predicted, by strategy and viewpoint."""

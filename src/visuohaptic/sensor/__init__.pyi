@@ -8,5 +8,5 @@ from .frames import column_axes as column_axes
 from .frames import row_axes as row_axes
 from .parameters import SensorParameters as SensorParameters
 from .random_fields import RandomFields as RandomFields
-from .touching import Touches as Touches
-from .touching import touch as touch
+from .sensing import Touches as Touches
+from .sensing import touch as touch

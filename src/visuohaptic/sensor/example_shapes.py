@@ -14,7 +14,7 @@ from visuohaptic.geometry.surface import Surface
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.random_fields import RandomFields
-from visuohaptic.sensor.touching import Touches, touch
+from visuohaptic.sensor.sensing import Touches, touch
 
 Height = Callable[[FloatArray, FloatArray], FloatArray]
 

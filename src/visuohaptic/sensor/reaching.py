@@ -10,7 +10,7 @@ from visuohaptic.sensor.adaptive_size import approach_distances, box_heights
 from visuohaptic.sensor.imprints import Poses, cast_heights
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.placing import PENETRATION_TOLERANCE
-from visuohaptic.sensor.touching import batches, sensor_poses
+from visuohaptic.sensor.sensing import batches, sensor_poses
 
 
 def reachable(

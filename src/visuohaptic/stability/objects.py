@@ -27,7 +27,7 @@ from visuohaptic.tables.phases import FIXATIONS, TOUCHES, by_object
 from visuohaptic.tables.schema import images, matrix, read_table, write_table
 from visuohaptic.tables.stability import STABILITY
 from visuohaptic.touches.choosing import touched_locations
-from visuohaptic.touches.touching import touch_part
+from visuohaptic.touches.touch_table import touch_part
 
 RAYS = 2000
 RAYS_BY_BRUTE_FORCE = 48

@@ -13,9 +13,9 @@ from types import ModuleType
 from visuohaptic.base.errors import ParameterError, VisuohapticError
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.cost.settings import FRONTIER
-from visuohaptic.studies.draws import RANDOM_DRAWS
 from visuohaptic.studies.effects.accuracy import EFFECTS_STUDY, INFLUENCE
 from visuohaptic.studies.own import read_study
+from visuohaptic.studies.random_draws import RANDOM_DRAWS
 from visuohaptic.studies.study import OBJECTS_OF_STEP, Study
 
 STUDIES = (

@@ -16,14 +16,14 @@ from visuohaptic.scene.effect_log import effect_table
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.scene.records import merge_records
 from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.sensor.touching import join_touches
+from visuohaptic.sensor.sensing import join_touches
 from visuohaptic.tables.phases import EFFECTS, FIXATIONS, TOUCHES
 from visuohaptic.tables.schema import build_rows, join_parts
 from visuohaptic.touches.choosing import Wanted, choose_locations, with_touch_numbers
-from visuohaptic.touches.touching import Part, touch_part, touch_table
+from visuohaptic.touches.touch_table import Part, touch_part, touch_table
 
 if TYPE_CHECKING:
-    from visuohaptic.active.touching import Tries
+    from visuohaptic.active.sessions import Tries
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +97,7 @@ def acquire_touches(
     if not policies:
         return _join(subject.key, parts, scene)
     # Imported here, so that runs without policies do not import the strategies.
-    from visuohaptic.active.touching import touch_by_policies
+    from visuohaptic.active.sessions import touch_by_policies
 
     tries = touch_by_policies(
         subject, policies, viewpoints, sensor, scene, seed, wanted.touches, wanted.unreachable

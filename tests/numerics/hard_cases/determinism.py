@@ -12,7 +12,7 @@ from visuohaptic.recognition.sequence_features import summarise_signals
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.example_shapes import hard_probes
 from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.sensor.touching import touch
+from visuohaptic.sensor.sensing import touch
 from visuohaptic.stability.findings import Finding
 
 NAME = "determinism/batch split of kernels"

@@ -13,7 +13,7 @@ from contourlets import Contourlet, directional_deviations
 from visuohaptic.features.imprint_shape import describe_imprint_shape
 from visuohaptic.recognition.parameters import SequenceParameters
 from visuohaptic.recognition.sequence_features import summarise_signals, wavelet_levels
-from visuohaptic.sensor.touching import stretch
+from visuohaptic.sensor.sensing import stretch
 from visuohaptic.stability.findings import Finding
 from visuohaptic.stability.objects import reconstruction_errors
 

@@ -29,7 +29,7 @@ from visuohaptic.geometry.surface import Surface, read_surface
 from visuohaptic.meshes.preparing import MERGE_TOLERANCE, normalise
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.sensor.touching import touch
+from visuohaptic.sensor.sensing import touch
 from visuohaptic.stability.findings import Finding
 
 RESOLUTION = 128

@@ -10,7 +10,7 @@ from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.example_shapes import sheet
 from visuohaptic.sensor.frames import column_axes, row_axes
 from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.sensor.touching import touch
+from visuohaptic.sensor.sensing import touch
 from visuohaptic.stability.findings import Finding
 
 ABSOLUTE = SensorParameters(normalisation="absolute", normal="given", largest_size=0.2)

@@ -12,7 +12,7 @@ from draws.kept import read_draws
 from draws.study import DRAWS, LITERAL_DRAWS, STUDY
 from variants.choices import BY_NAME
 from variants.design import LITERAL
-from visuohaptic.base.draws import draw_of
+from visuohaptic.base.draw_names import draw_of
 from visuohaptic.base.errors import ReportError
 from visuohaptic.studies.conditions import plan_study, with_changes
 from visuohaptic.studies.figures import Cell

@@ -11,7 +11,7 @@ from first_touch.accuracies import arrange
 from first_touch.study import FRAMES, PARTS, RULES, TOUCHES, conditions
 from first_touch.summary import LABELS, Place, accuracies, lead
 from visuohaptic.attention.registry import CHANNELS
-from visuohaptic.base.draws import draw_of
+from visuohaptic.base.draw_names import draw_of
 from visuohaptic.base.errors import ReportError
 from visuohaptic.fixations.probing import PLANNED
 from visuohaptic.recognition.parameters import IntervalParameters

@@ -24,13 +24,13 @@ from visuohaptic.scene.parameters import (
 from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.placing import Placed
-from visuohaptic.sensor.touching import Touches, sense
+from visuohaptic.sensor.sensing import Touches, sense
 from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.phases import FIXATIONS, by_object
 from visuohaptic.tables.schema import build_rows, read_table, write_table
 from visuohaptic.tables.studies import EFFECT_INFLUENCE
 from visuohaptic.touches.choosing import Wanted, choose_locations
-from visuohaptic.touches.touching import place_sensors_at, random_fields
+from visuohaptic.touches.touch_table import place_sensors_at, random_fields
 
 ROUNDS = 3
 """Number of measurements of each time; the median is kept. The modes take turns."""

@@ -14,7 +14,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 from visuohaptic.base.arrays import FloatArray
-from visuohaptic.base.draws import draw_of
+from visuohaptic.base.draw_names import draw_of
 from visuohaptic.evaluation.by_object import average_by_object
 
 CellKey = tuple[str, str, str]

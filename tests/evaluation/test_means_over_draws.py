@@ -6,8 +6,8 @@ import pytest
 from recognition.synthetic import features_table
 
 from visuohaptic import recognition
-from visuohaptic.base.draws import draw_of, name_of_draw
-from visuohaptic.evaluation.draws import further_draws
+from visuohaptic.base.draw_names import draw_of, name_of_draw
+from visuohaptic.evaluation.means_over_draws import further_draws
 from visuohaptic.evaluation.summary import summarise
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import ProtocolParameters, RecognitionParameters

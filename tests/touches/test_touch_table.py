@@ -14,7 +14,7 @@ from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor import SensorParameters
 from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES, TANGENT_NAMES
 from visuohaptic.tables.schema import matrix
-from visuohaptic.touches.touching import touch_part, touch_squares
+from visuohaptic.touches.touch_table import touch_part, touch_squares
 
 TILTED = np.array([[0.6, 0.8, 0.0], [0.0, 0.8, 0.6]])
 UP = np.array([0.0, 1.0, 0.0])

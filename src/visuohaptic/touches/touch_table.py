@@ -16,7 +16,7 @@ from visuohaptic.sensor.frames import row_axes
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.placing import Placed
 from visuohaptic.sensor.random_fields import RandomFields
-from visuohaptic.sensor.touching import Touches, place_sensors, sense
+from visuohaptic.sensor.sensing import Touches, place_sensors, sense
 from visuohaptic.tables.phases import (
     FIXATIONS,
     NORMAL_NAMES,

@@ -9,7 +9,7 @@ import pytest
 import trimesh
 from numerics.surfaces import of_trimesh
 
-from visuohaptic.active import touching as driving
+from visuohaptic.active import sessions
 from visuohaptic.active.policies import Policy
 from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.attention.parameters import AttentionParameters
@@ -29,7 +29,7 @@ from visuohaptic.touches.choosing import (
     touched_locations,
     with_touch_numbers,
 )
-from visuohaptic.touches.touching import touch_part
+from visuohaptic.touches.touch_table import touch_part
 
 SENSOR, SEED = SensorParameters(), 3
 SCENE = Scene.model_validate({"preset": "worn_fsr"})
@@ -111,7 +111,7 @@ def test_a_policys_places_depend_on_object_viewpoint_and_seed_only_and_fewer_are
 def test_a_policy_feels(caster, name, monkeypatch):
     """Other imprints lead to other places."""
     before = acquire(caster, name).policy_fixations
-    touch = driving.touch
+    touch = sessions.touch
 
     generator = np.random.default_rng(0)
 
@@ -121,7 +121,7 @@ def test_a_policy_feels(caster, name, monkeypatch):
         drawn = generator.random(felt.images.shape)
         return replace(felt, images=np.where(drawn < shares, drawn, 0).astype(np.float32))
 
-    monkeypatch.setattr(driving, "touch", feel_anything)
+    monkeypatch.setattr(sessions, "touch", feel_anything)
     after = acquire(caster, name).policy_fixations
     first = lambda table: table.filter(pc.equal(table["touch"], 0))  # noqa: E731
     assert first(after).equals(first(before))
@@ -151,7 +151,9 @@ def test_a_policy_is_given_what_was_felt(caster, with_policy):
     [("point", True), ("normal", True), ("imprint", True), ("point", False), ("normal", False)],
 )
 def test_what_was_felt_can_not_be_written_to(caster, with_policy, monkeypatch, part, acquired):
-    monkeypatch.setattr(driving, "reachable", lambda _, points, *__: np.full(len(points), acquired))
+    monkeypatch.setattr(
+        sessions, "reachable", lambda _, points, *__: np.full(len(points), acquired)
+    )
     walked = acquire(caster, with_policy("walk", walk))
     refused = []
 
@@ -230,7 +232,7 @@ def unreachable_first(monkeypatch, count):
             number.append(point)
         return np.array(found)
 
-    monkeypatch.setattr(driving, "reachable", reach)
+    monkeypatch.setattr(sessions, "reachable", reach)
 
 
 def test_a_place_out_of_reach_is_told_and_is_no_touch(caster, with_policy, monkeypatch):
@@ -257,7 +259,9 @@ def test_a_place_out_of_reach_is_told_and_is_no_touch(caster, with_policy, monke
 
 @pytest.mark.parametrize("in_reach", [True, False])
 def test_tries_are_sorted_by_their_keys(caster, with_policy, monkeypatch, in_reach):
-    monkeypatch.setattr(driving, "reachable", lambda _, points, *__: np.full(len(points), in_reach))
+    monkeypatch.setattr(
+        sessions, "reachable", lambda _, points, *__: np.full(len(points), in_reach)
+    )
     found = acquire(caster, with_policy("walk", walk))
     assert (found.touches.num_rows > 0) == in_reach
     tries = found.policy_fixations
@@ -327,9 +331,9 @@ def test_a_policy_slower_than_a_second_per_choice_is_logged(
         now[0] += seconds
         return walk(view, touches)
 
-    start = driving.start_sessions
+    start = sessions.start_sessions
     monkeypatch.setattr(
-        driving,
+        sessions,
         "start_sessions",
         lambda *given: [replace(session, clock=lambda: now[0]) for session in start(*given)],
     )
@@ -350,11 +354,11 @@ def test_a_choice_slower_than_the_policys_bound_is_one_sentence(caster, stops):
     policy = Policy("slow", "slow", next_location, longest_seconds=30.0)
     (view,) = [
         session.view
-        for session in driving.start_sessions(
+        for session in sessions.start_sessions(
             Subject("ring/torus", lambda: caster, (2,)), [policy], VIEWPOINTS, SEED, "replace"
         )
     ]
-    session = driving.PolicySession("ring/torus", 2, policy, view, clock=lambda: now[0])
+    session = sessions.PolicySession("ring/torus", 2, policy, view, clock=lambda: now[0])
     seconds = 30.0
     session.choose()
     session.choose()
@@ -384,7 +388,7 @@ def test_a_slow_policy_that_raises_is_named_by_its_error(caster):
         raise ValueError("no place left.")
 
     policy = Policy("slow", "slow", next_location)
-    session = driving.PolicySession("ring/torus", 0, policy, None, clock=lambda: now[0])
+    session = sessions.PolicySession("ring/torus", 0, policy, None, clock=lambda: now[0])
     with pytest.raises(PolicyError, match=r"it raised ValueError: no place left\.$"):
         session.choose()
 

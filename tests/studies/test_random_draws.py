@@ -7,8 +7,8 @@ from studies.surfaces import RUN, small_surfaces, write_sources
 
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import plan_study
-from visuohaptic.studies.draws import RANDOM_DRAWS, draw_conditions
 from visuohaptic.studies.measuring import measure_conditions
+from visuohaptic.studies.random_draws import RANDOM_DRAWS, draw_conditions
 from visuohaptic.studies.recomputing import recompute_features
 from visuohaptic.tables.schema import matrix
 

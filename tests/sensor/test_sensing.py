@@ -12,7 +12,7 @@ from visuohaptic.geometry.orientation import orient_outwards
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import PRESETS, TACTILE_EFFECTS, Scene
 from visuohaptic.sensor import SensorParameters, touch
-from visuohaptic.sensor.touching import place_sensors, sense
+from visuohaptic.sensor.sensing import place_sensors, sense
 from visuohaptic.tables.phases import CONTACT_STATES
 
 ARRAYS = ("images", "size", "contact_state", "penetration", "normals", "tangents", "gaps")

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from operator import attrgetter
 
 from visuohaptic.active.registry import has_further_draws, strategy_of
-from visuohaptic.base.draws import name_of_draw
+from visuohaptic.base.draw_names import name_of_draw
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
 from visuohaptic.studies.study import Changes, Condition, Study

@@ -42,7 +42,7 @@ from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.random_fields import RandomFields
 from visuohaptic.sensor.reaching import reachable
-from visuohaptic.sensor.touching import Touches, touch
+from visuohaptic.sensor.sensing import Touches, touch
 from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES, SPARE, owner_columns
 
 SAME_LOCATION = 1e-6
