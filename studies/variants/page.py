@@ -28,7 +28,7 @@ from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic.base.errors import ReportError
 from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.pictures.page_head import content_policy, page_style
-from visuohaptic.report.page import make_environment
+from visuohaptic.report.environment import make_environment
 from visuohaptic.report.wording import classifier_name, listed, percent, points, spaced
 from visuohaptic.studies.figures import Row
 from visuohaptic.studies.study import StepInputs

@@ -15,7 +15,8 @@ from visuohaptic.base.errors import ReportError
 from visuohaptic.io.plugins import PlugIn
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pictures.object_pictures import make_pictures
-from visuohaptic.report.page import PAPER_ADDRESS, make_environment, make_report, render_page
+from visuohaptic.report.environment import make_environment
+from visuohaptic.report.page import PAPER_ADDRESS, make_report, render_page
 from visuohaptic.report.run import read_run
 from visuohaptic.report.section import ReportContext
 from visuohaptic.report.sections import methods_values, parameters_values

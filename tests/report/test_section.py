@@ -26,10 +26,11 @@ from eye_and_touch.tables import EYE_AND_TOUCH
 from visuohaptic.evaluation.summary import select
 from visuohaptic.report.chapters import chapters_of
 from visuohaptic.report.page import render_page
-from visuohaptic.report.recounting import recount_accuracy, recount_cost
+from visuohaptic.report.recounting import recount_cost
 from visuohaptic.report.run import find_run, read_run
-from visuohaptic.report.section import OTHER_OBJECTS, ReportContext, files_of_rows, find_sources
+from visuohaptic.report.section import OTHER_OBJECTS, ReportContext
 from visuohaptic.report.sections import answer_values
+from visuohaptic.report.sources import files_of_rows, find_sources
 from visuohaptic.report.wording import duration
 from visuohaptic.studies.figures import write_json
 from visuohaptic.tables.schema import write_table
@@ -208,15 +209,6 @@ def test_every_headline_number_has_lines_that_print_it(folder, run, monkeypatch,
         assert plain(answer.number).replace("\N{MINUS SIGN}", "-").startswith(first)
     quoted = cost_rows([('it\'s "5"', 0.1, 0.1)])[0]
     compile(recount_cost(run, quoted), "lines", "exec")
-
-
-def test_lines_print_the_lead_over_another_strategy(folder, run, monkeypatch, capsys):
-    monkeypatch.chdir(folder)
-    table = run.pipelines[0]
-    exec(recount_accuracy(run, table, "random"), {})  # noqa: S102 - the lines under test
-    accuracy = {name: one.mean for name, one in table.headline.accuracy.items()}
-    lead = 100 * (accuracy[table.leading] - accuracy["random"])
-    assert capsys.readouterr().out == f"{lead:+.1f} points\n"
 
 
 @pytest.mark.slow

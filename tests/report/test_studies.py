@@ -10,7 +10,7 @@ from report.synthetic import write_study
 from visuohaptic.base.errors import VisuohapticError
 from visuohaptic.report.cells import recomputed
 from visuohaptic.report.chapters import chapters_of
-from visuohaptic.report.page import make_environment
+from visuohaptic.report.environment import make_environment
 from visuohaptic.report.section import study_sections
 from visuohaptic.report.studies import names_of_own_studies, read_study
 from visuohaptic.report.wording import spaced

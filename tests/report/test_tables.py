@@ -5,13 +5,13 @@ from report.pages import plain, read_page
 
 from visuohaptic.evaluation.intervals import Interval
 from visuohaptic.report import cells
+from visuohaptic.report.environment import make_environment
 from visuohaptic.report.estimates import (
     Figure,
     estimate,
     figure_of,
     with_interval,
 )
-from visuohaptic.report.page import make_environment
 from visuohaptic.report.tables import by_strategy
 
 ROWS = [

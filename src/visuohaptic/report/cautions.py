@@ -23,8 +23,6 @@ def find_warnings(run: Run, seconds: Sequence[PhaseSeconds]) -> list[str]:
 
     `seconds` are the run times of the phases, with the logs of unfinished jobs.
     """
-    stability = run.stability
-    broken = [describe_checks(stability.checks)] if stability and stability.broken else []
     unfinished = [log for phase in seconds for log in phase.unfinished]
     meshless = [key for key in run.objects if key not in run.meshes]
     no_mesh = f"No mesh was found of {listed_in_short(meshless)}, so no 3D model is shown."
@@ -36,7 +34,7 @@ def find_warnings(run: Run, seconds: Sequence[PhaseSeconds]) -> list[str]:
         *_short_sequences(run),
         *_unfitted_classifiers(run),
         *([no_mesh] if meshless else []),
-        *(f"{sentence} See the section on numerical stability." for sentence in broken),
+        *_broken_checks(run),
         *_warned(unfinished, "job", "did not finish; the reason is in"),
     ]
 
@@ -144,3 +142,9 @@ def _unfitted_classifiers(run: Run) -> Iterator[str]:
             "classifier",
             f"of pipeline {pipeline} left out, because the training sequences don't allow a fit:",
         )
+
+
+def _broken_checks(run: Run) -> Iterator[str]:
+    stability = run.stability
+    if stability is not None and stability.broken:
+        yield f"{describe_checks(stability.checks)} See the section on numerical stability."

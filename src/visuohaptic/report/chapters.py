@@ -7,12 +7,17 @@ its name, and an entry in `CHAPTERS`. Studies outside the package bring their ow
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
+from jinja2 import Environment
+
 from visuohaptic.base.errors import ReportError
 from visuohaptic.report import sections
 from visuohaptic.report.glossary import WORDS
 from visuohaptic.report.run import Run
 from visuohaptic.report.section import (
     OTHER_OBJECTS,
+    ReportContext,
     Section,
     SourceTable,
     figures_of,
@@ -143,3 +148,18 @@ def chapters_of(run: Run) -> dict[str, tuple[Section, ...]]:
         for name, sections_of_report in CHAPTERS.items()
         if name != OTHER_OBJECTS or brought[name]
     }
+
+
+def render_chapters(
+    environment: Environment, context: ReportContext, chapters: Mapping[str, Sequence[Section]]
+) -> dict[str, list[tuple[str, str, str]]]:
+    """Render the sections with values; return name, title and HTML of each, by chapter."""
+    rendered: dict[str, list[tuple[str, str, str]]] = {}
+    for chapter, of_chapter in chapters.items():
+        for section in of_chapter:
+            values = section.values(context)
+            if values is not None:
+                body = environment.get_template(section.template_path).render(values)
+                title = values.get("title", section.title)
+                rendered.setdefault(chapter, []).append((section.name, title, body))
+    return rendered

@@ -12,7 +12,7 @@ from visuohaptic.report.cost import robot_price
 from visuohaptic.report.estimates import Row
 from visuohaptic.report.questions import MAIN_OPPONENT
 from visuohaptic.report.run import Run
-from visuohaptic.report.section import files_of_rows, place_of
+from visuohaptic.report.sources import files_of_rows, place_of
 
 _CODE = Environment(  # noqa: S701 - the page escapes the code
     loader=PackageLoader("visuohaptic.report"),
@@ -23,18 +23,13 @@ _CODE = Environment(  # noqa: S701 - the page escapes the code
 _CODE.filters["literal"] = repr
 
 
-def recount_accuracy(run: Run, table: PipelineTable, other: str = "") -> str:
-    """Return code that prints the headline classifier's accuracy by the leading strategy.
-
-    With another strategy `other` the code prints the lead over `other` in percentage points.
-    """
-    return _CODE.get_template("recount_accuracy.py.jinja").render(
-        **_selection(run, table), other=other
-    )
+def recount_accuracy(run: Run, table: PipelineTable) -> str:
+    """Return code that prints the headline classifier's accuracy by the leading strategy."""
+    return _CODE.get_template("recount_accuracy.py.jinja").render(_selection(run, table))
 
 
 def recount_lead(run: Run, table: PipelineTable, opponent: str = MAIN_OPPONENT) -> str:
-    """Return code that prints the lead of fixation over random touches, the mean over all draws."""
+    """Return code that prints the lead of fixation over another strategy, the mean over all its draws."""
     drawn = run.parts("drawn")
     return _CODE.get_template("recount_lead.py.jinja").render(
         **_selection(run, table),

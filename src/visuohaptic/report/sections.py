@@ -18,6 +18,7 @@ from visuohaptic.fixations.viewpoints import FIELD_OF_VIEW_DEGREES
 from visuohaptic.io.checkout import find_commit
 from visuohaptic.io.plugins import loaded
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.pictures.imprint_scale import imprint_scale
 from visuohaptic.recognition.parameters import Protocol
 from visuohaptic.report.comparison import PIPELINES, PipelineTable, draws_sentence, gain_sentence
 from visuohaptic.report.cost import compared_sentence, cost_answer, robot_front
@@ -63,6 +64,7 @@ from visuohaptic.report.stability import (
 from visuohaptic.report.studies import names_of_own_studies, read_study
 from visuohaptic.report.wording import CONTACT_STATES, percent, spaced, strategy_name, titled
 from visuohaptic.sensor.placing import PENETRATION_TOLERANCE
+from visuohaptic.studies.effects.influence import measured_scenes
 from visuohaptic.tables.phases import CONTOURLET_FEATURES
 from visuohaptic.tables.schema import matrix, read_table
 from visuohaptic.tables.studies import EVALUATION
@@ -143,7 +145,7 @@ def _other_strategies(run: Run, table: PipelineTable) -> tuple[Answer | None, st
     if answer is None:
         return None, ""
     other = next(name for name in table.headline.comparisons if name not in PLACES)
-    return answer, recount_accuracy(run, table, other)
+    return answer, recount_lead(run, table, other)
 
 
 def method_values(context: ReportContext) -> Values:
@@ -229,6 +231,9 @@ def effects_values(context: ReportContext) -> Values:
             sum_effects(run.effects), context.influence, run.parameters.scene.preset
         ),
         "influence": context.influence,
+        "scale_of_scenes": imprint_scale(
+            run.parameters.sensor, *measured_scenes(run.parameters.scene).values()
+        ),
         "answer": effects_answer(context.influence["scenes"]) if context.influence else "",
         "accuracy": accuracy,
         "by_scene": rows_of_scenes(accuracy) if accuracy else [],

@@ -13,8 +13,8 @@ from touch_curves import section as section_of_study
 from touch_curves.section import SECTION, curves, draw_curves, verdict
 from touch_curves.study import touches_name
 from touch_curves.tables import TOUCHES_NEEDED
+from visuohaptic.report.environment import make_environment
 from visuohaptic.report.estimates import Figure as Estimate
-from visuohaptic.report.page import make_environment
 from visuohaptic.report.studies import read_figures
 from visuohaptic.tables.schema import build_table, write_table
 
