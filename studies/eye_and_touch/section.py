@@ -12,7 +12,7 @@ from eye_and_touch.study import CHECKED, LOOK, PRODUCT, STUDY, TOUCH
 from eye_and_touch.tables import EYE_AND_TOUCH
 from visuohaptic.report.drawing import style
 from visuohaptic.report.estimates import Row, figure_of, read_json
-from visuohaptic.report.figures import draw_lines, finish, whole_percent
+from visuohaptic.report.figures import draw_lines, label_axes, whole_percent
 from visuohaptic.report.section import ReportContext, Section, SourceTable, Values
 from visuohaptic.report.wording import counted, percent
 
@@ -85,8 +85,8 @@ def draw_times(curves: Sequence[Mapping[str, Any]]) -> Figure:
     }
     chart, axes = draw_lines(points, 190)
     axes.set_xscale("log")
-    return finish(
-        chart, "the robot's time, s", "correctly classified", across_as="{x:g}", up_as=whole_percent
+    return label_axes(
+        chart, "the robot's time, s", "correctly classified", xformat="{x:g}", yformat=whole_percent
     )
 
 

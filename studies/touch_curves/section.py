@@ -17,7 +17,7 @@ from visuohaptic.report.comparison import REFERENCE, SIGNIFICANCE
 from visuohaptic.report.drawing import look, style
 from visuohaptic.report.estimates import Figure as Estimate
 from visuohaptic.report.estimates import Row, figure_of
-from visuohaptic.report.figures import draw_lines, finish, whole_percent
+from visuohaptic.report.figures import draw_lines, label_axes, whole_percent
 from visuohaptic.report.section import ReportContext, Section, SourceTable, Values, figures_of
 from visuohaptic.report.studies import by_cell, read_figures
 from visuohaptic.report.wording import (
@@ -147,7 +147,7 @@ def draw_curves(table: Sequence[Row]) -> Figure:
     lowest = min(_end(row, "low") for row in rows)
     axes.set_ylim(min(math.floor(10 * lowest), 9) / 10, 1)
     axes.set_xticks(sorted({_place_in_study(row) + 1 for row in rows}))
-    return finish(chart, "touches", "correctly classified", up_as=whole_percent)
+    return label_axes(chart, "touches", "correctly classified", yformat=whole_percent)
 
 
 def _place_in_study(row: Mapping[str, Any]) -> int:

@@ -93,8 +93,8 @@ def make_touches_needed(step: StepInputs) -> None:
 def _curves(cells: Mapping[CellKey, Cell]) -> dict[tuple[str, ...], list[Cell]]:
     names = [touches_name(count) for count in range(1, LONGEST_SEQUENCE + 1)]
     curves = {
-        key: [cells[(name, *key)] for name in names if (name, *key) in cells]
-        for key in dict.fromkeys(key[1:] for key in cells)
+        rest: [cells[key] for name in names if (key := CellKey(name, *rest)) in cells]
+        for rest in dict.fromkeys(key[1:] for key in cells)
     }
     return {
         key: curve

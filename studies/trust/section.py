@@ -17,7 +17,7 @@ from visuohaptic.recognition.certainty import least_known_objects
 from visuohaptic.recognition.parameters import least_objects
 from visuohaptic.report.drawing import COLOURS, style
 from visuohaptic.report.estimates import Row, read_json
-from visuohaptic.report.figures import draw_lines, finish, whole_percent
+from visuohaptic.report.figures import draw_lines, label_axes, whole_percent
 from visuohaptic.report.held_out import rows_of
 from visuohaptic.report.section import (
     OTHER_OBJECTS,
@@ -81,12 +81,12 @@ def coverage(table: pa.Table) -> Figure:
     ends = [stated[0], 1]
     axes.plot(ends, ends, color=COLOURS["ink"], linestyle="--", linewidth=1, label="as stated")
     axes.set_ylim(0, 1.02)
-    return finish(
+    return label_axes(
         chart,
         "stated coverage",
         "share of the objects",
-        across_as=whole_percent,
-        up_as=whole_percent,
+        xformat=whole_percent,
+        yformat=whole_percent,
     )
 
 

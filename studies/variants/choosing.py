@@ -270,7 +270,11 @@ def _p_value(
 
 
 def _cells_of_variant(cells: Mapping[CellKey, Cell], name: str) -> list[Cell]:
-    keys = [(name, "paper", strategy, classifier) for strategy in SCORED for classifier in TABLE_1]
+    keys = [
+        CellKey(name, "paper", strategy, classifier)
+        for strategy in SCORED
+        for classifier in TABLE_1
+    ]
     if missing := [key for key in keys if key not in cells]:
         raise RecognitionError(f"Variant {name} has no result for {' '.join(missing[0][2:])}.")
     return [cells[key] for key in keys]

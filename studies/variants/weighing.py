@@ -82,7 +82,7 @@ def split_accuracies(rows: pa.Table) -> dict[CellKey, NDArray[np.float64]]:
         ).T
         _, run = np.unique(split * (repeat.max() + 1) + repeat, return_inverse=True)
         correct = np.bincount(run, weights=np.rint(sequences * accuracy))
-        accuracies[key] = correct / np.bincount(run, weights=sequences)
+        accuracies[CellKey(*key)] = correct / np.bincount(run, weights=sequences)
     return accuracies
 
 
@@ -108,7 +108,8 @@ def _figures(
     row: Row = dict.fromkeys(column.name for column in VARIANTS.columns[4 + len(CHOICES) :])
     strategies = {"fixation": "fixation", "random": opponent}
     keys = {
-        column: (name, "paper", strategy, classifier) for column, strategy in strategies.items()
+        column: CellKey(name, "paper", strategy, classifier)
+        for column, strategy in strategies.items()
     }
     errors = [cells[key].error if key in cells else "no result" for key in keys.values()]
     if reasons := [error for error in errors if error is not None]:

@@ -24,7 +24,7 @@ def test_every_entry_is_a_planned_strategy_or_a_policy():
 def test_names_of_policies_and_strategies_are_told_apart():
     assert is_policy("seek_relief")
     assert not is_policy("fixation")
-    assert policy_of("seek_relief#2").chance == "seek_relief#2"
+    assert policy_of("seek_relief#2").random_stream == "seek_relief#2"
     assert strategy_of("seek_relief").needs_view is False
     assert has_further_draws("seek_relief")
     with pytest.raises(RegistryError, match="'random' chooses before the first touch"):

@@ -167,7 +167,7 @@ def test_what_was_felt_can_not_be_written_to(caster, with_policy, monkeypatch, p
             array *= 0
         return walk(view, touches)
 
-    found = acquire(caster, with_policy("forge", forge, chance="walk"))
+    found = acquire(caster, with_policy("forge", forge, random_stream="walk"))
     assert refused
     for name in ("touches", "policy_fixations"):
         expected = getattr(walked, name)

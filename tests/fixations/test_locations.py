@@ -118,7 +118,7 @@ def test_random_probing_draws_by_area_and_random_probing_anywhere_the_same(caste
     points, normals = places_of(table)
     np.testing.assert_array_equal(points, expected.points)
     np.testing.assert_array_equal(normals, expected.normals)
-    assert set(table.column("chance").to_pylist()) == {"random"}
+    assert set(table.column("random_stream").to_pylist()) == {"random"}
     names = ["strategy", "unreachable"]
     assert reached.drop_columns(names).equals(anywhere.drop_columns(names))
     for found, unreachable in ((reached, "replace"), (anywhere, "keep")):
@@ -161,8 +161,11 @@ def test_a_draw_has_its_own_places_and_its_own_name_in_every_generator(caster, l
         assert not np.isclose(
             points[one][: ATTENTION.fixations], points[other][: ATTENTION.fixations]
         ).all()
-    chance = first["chance"][0].as_py()
-    assert [table["chance"][0].as_py() for table in further] == [f"{chance}#1", f"{chance}#2"]
+    random_stream = first["random_stream"][0].as_py()
+    assert [table["random_stream"][0].as_py() for table in further] == [
+        f"{random_stream}#1",
+        f"{random_stream}#2",
+    ]
     assert further[0]["unreachable"][0].as_py() == first["unreachable"][0].as_py()
 
 

@@ -174,7 +174,7 @@ def _fixations(objects, strategies, generator):
         [
             {
                 **_owner(key), "viewpoint": viewpoint, "strategy": strategy, "touch": touch,
-                "chance": strategy, **(pixel(touch) if strategy == "fixation" else {}),
+                "random_stream": strategy, **(pixel(touch) if strategy == "fixation" else {}),
                 **_named("{}", normal), **_named("normal_{}", normal),
             }
             for (key, viewpoint, strategy, touch), normal in zip(places, normals, strict=True)

@@ -7,7 +7,7 @@ import pytest
 
 from visuohaptic.evaluation.intervals import compare_paired, holm
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.studies.figures import Cell, cells_of, make_study_figures, study_figures
+from visuohaptic.studies.figures import Cell, CellKey, cells_of, make_study_figures, study_figures
 from visuohaptic.tables.schema import build_table, read_table, write_table
 from visuohaptic.tables.studies import STUDY, STUDY_FIGURES
 
@@ -29,7 +29,7 @@ def cell(accuracy):
 
 
 def key(name, strategy="fixation"):
-    return (name, "paper", strategy, "naive_bayes")
+    return CellKey(name, "paper", strategy, "naive_bayes")
 
 
 CELLS = {

@@ -33,7 +33,7 @@ def fixation_columns(count=5, viewpoint=0):
         **dict.fromkeys(("pixel_row", "pixel_column", "face"), np.arange(count)),
         "saliency": np.linspace(1, 0.5, count),
         "unreachable": [None] * count,
-        "chance": "fixation",
+        "random_stream": "fixation",
         **dict.fromkeys(("x", "y", "z", "normal_x", "normal_y", "normal_z"), places),
     }
 

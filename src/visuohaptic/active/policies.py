@@ -103,7 +103,7 @@ class Policy:
         on the arguments only.
     random : bool
         Whether ``view.generator`` changes the locations.
-    unreachable, chance : str, optional
+    unreachable, random_stream : str, optional
         As for `Strategy`.
     longest_seconds : float
         Longest allowed wall time of one call of `next_location`, in seconds; `math.inf` for no bound. A slower
@@ -121,7 +121,7 @@ class Policy:
     next_location: Callable[[PolicyView, Sequence[Felt]], ArrayLike | None]
     random: bool = True
     unreachable: Unreachable | None = None
-    chance: str | None = None
+    random_stream: str | None = None
     longest_seconds: float = 60.0
 
     def __post_init__(self) -> None:

@@ -160,11 +160,11 @@ class PolicySession:
 
     @property
     def random_key(self) -> tuple[object, ...]:
-        """The key of the next touch for `RandomFields`: class, name, viewpoint, ``chance``, index of the touch."""
+        """The key of the next touch for `RandomFields`: class, name, viewpoint, ``random_stream``, index of the touch."""
         return (
             *self.key.split("/"),
             self.viewpoint,
-            self.policy.chance or self.policy.name,
+            self.policy.random_stream or self.policy.name,
             self.touches,
         )
 
@@ -182,7 +182,7 @@ class PolicySession:
             **dict(zip((*POINT_NAMES, *NORMAL_NAMES), (*point, *normal), strict=True)),
             "face": face,
             "unreachable": self.policy.unreachable,
-            "chance": self.policy.chance or self.policy.name,
+            "random_stream": self.policy.random_stream or self.policy.name,
         }
 
     def _as_point(self, chosen: object) -> FloatArray:
@@ -305,12 +305,12 @@ def start_sessions(
     caster, cameras = subject.caster, place_cameras(viewpoints)
     sessions = []
     for policy in policies:
-        chance = policy.chance or policy.name
-        spread = spawn_generator(seed, "places", chance, subject.key)
+        random_stream = policy.random_stream or policy.name
+        spread = spawn_generator(seed, "places", random_stream, subject.key)
         # All viewpoints of the object share these locations. They are computed when a policy first reads them.
         find_places = cache(partial(spread_far, caster.surface, PLACES, spread))
         for number in subject.viewpoints:
-            generator = spawn_generator(seed, chance, subject.key, number)
+            generator = spawn_generator(seed, random_stream, subject.key, number)
             view = PolicyView(caster, cameras[number], generator, find_places)
             treatment = policy.unreachable or unreachable
             sessions.append(PolicySession(subject.key, number, policy, view, treatment))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import pyarrow as pa
@@ -17,10 +18,16 @@ from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.draw_names import draw_of
 from visuohaptic.evaluation.by_object import average_by_object
 
-CellKey = tuple[str, str, str]
-"""Pipeline, strategy and classifier of one entry of the results; the strategy has no number of a draw."""
 
-_CELL = ["pipeline", "strategy", "classifier"]
+class PredictionKey(NamedTuple):
+    """The predictions of a classifier; in means over draws the strategy has no number of a draw."""
+
+    pipeline: str
+    strategy: str
+    classifier: str
+
+
+_CELL = list(PredictionKey._fields)
 
 
 @dataclass(frozen=True)
@@ -63,7 +70,7 @@ class FurtherDraws:
     notes: tuple[str, ...] = ()
 
 
-def further_draws(rows: pa.Table | None) -> dict[CellKey, FurtherDraws]:
+def further_draws(rows: pa.Table | None) -> dict[PredictionKey, FurtherDraws]:
     """Compute accuracies per object and draw from rows of `tables.STUDY` of one study and condition.
 
     The rows must not contain draw 0. Column ``strategy`` has the name of the draw, such as ``random#2``. The strategy
@@ -73,13 +80,13 @@ def further_draws(rows: pa.Table | None) -> dict[CellKey, FurtherDraws]:
     if rows is None or not rows.num_rows:
         return {}
     cells = rows.select(_CELL).group_by(_CELL).aggregate([]).to_pylist()
-    by_cell: dict[CellKey, FurtherDraws] = {}
+    by_cell: dict[PredictionKey, FurtherDraws] = {}
     for cell in sorted(cells, key=lambda cell: draw_of(cell["strategy"])):
         measured = rows
         for name, value in cell.items():
             measured = measured.filter(pc.equal(measured.column(name), value))
         strategy, number = draw_of(cell["strategy"])
-        key = (cell["pipeline"], strategy, cell["classifier"])
+        key = PredictionKey(cell["pipeline"], strategy, cell["classifier"])
         error = measured.column("error")[0].as_py()
         earlier = by_cell.get(key, FurtherDraws())
         if error is not None:

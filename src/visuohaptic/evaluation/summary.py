@@ -24,9 +24,9 @@ from visuohaptic.evaluation.intervals import (
 )
 from visuohaptic.evaluation.leads import DrawnAccuracies, compare_by_lead
 from visuohaptic.evaluation.means_over_draws import (
-    CellKey,
     FurtherDraws,
     ObjectAccuracies,
+    PredictionKey,
     further_draws,
     in_common,
     lead_over_draws,
@@ -39,7 +39,7 @@ from visuohaptic.tables.phases import owners_of
 
 REFERENCE_STRATEGY = "fixation"
 
-_CELL = ["pipeline", "strategy", "classifier"]
+_CELL = list(PredictionKey._fields)
 
 METHOD = {
     "accuracy": "mean over splits of the share of test sequences correctly classified",
@@ -181,9 +181,9 @@ def select(table: pa.Table, **values: object) -> pa.Table:
     return table
 
 
-def _cells(predictions: pa.Table) -> dict[tuple[str, str, str], pa.Table]:
+def _cells(predictions: pa.Table) -> dict[PredictionKey, pa.Table]:
     rows = _distinct(predictions, _CELL)
-    return {tuple(row.values()): select(predictions, **row) for row in rows}
+    return {PredictionKey(**row): select(predictions, **row) for row in rows}
 
 
 def _distinct(table: pa.Table, names: list[str]) -> list[dict[str, Any]]:
@@ -299,18 +299,18 @@ def _describe_draws(
 
 
 def _leads(
-    figures: Mapping[CellKey, _ObjectFigures],
-    drawn: Mapping[CellKey, FurtherDraws],
+    figures: Mapping[PredictionKey, _ObjectFigures],
+    drawn: Mapping[PredictionKey, FurtherDraws],
     parameters: IntervalParameters,
 ) -> dict[str, Any]:
     """Compute the leads of each pipeline and classifier; a strategy that only `drawn` has, counts with these draws."""
     measured: dict[tuple[str, str], dict[str, DrawnAccuracies]] = {}
-    for pipeline, strategy, classifier in sorted({*figures, *drawn}):
-        key = (pipeline, strategy, classifier)
+    for key in sorted({*figures, *drawn}):
         own = (figures[key].object_accuracies,) if key in figures else ()
         draws = (*own, *(drawn[key].draws if key in drawn else ()))
         if draws:
-            measured.setdefault((pipeline, classifier), {})[strategy] = DrawnAccuracies(draws)
+            by_strategy = measured.setdefault((key.pipeline, key.classifier), {})
+            by_strategy[key.strategy] = DrawnAccuracies(draws)
     leads: dict[str, Any] = {}
     for (pipeline, classifier), by_strategy in measured.items():
         found = compare_by_lead(by_strategy, parameters)
@@ -320,14 +320,14 @@ def _leads(
 
 
 def _compare_strategies(
-    figures: Mapping[CellKey, _ObjectFigures],
-    further: Mapping[CellKey, FurtherDraws],
+    figures: Mapping[PredictionKey, _ObjectFigures],
+    further: Mapping[PredictionKey, FurtherDraws],
     parameters: IntervalParameters,
 ) -> dict[str, Any]:
     comparisons: dict[str, Any] = {}
     for key in sorted(figures):
         pipeline, strategy, classifier = key
-        fixation = figures.get((pipeline, REFERENCE_STRATEGY, classifier))
+        fixation = figures.get(key._replace(strategy=REFERENCE_STRATEGY))
         if fixation is None or strategy == REFERENCE_STRATEGY:
             continue
         draws = [figures[key].object_accuracies, *(further[key].draws if key in further else ())]

@@ -47,7 +47,9 @@ def locate(
         If no planned strategy has the name.
     """
     entry: Strategy = entry_of(PLANNED, strategy)
-    generator = spawn_generator(seed, entry.chance or strategy, viewpoint.key, viewpoint.number)
+    generator = spawn_generator(
+        seed, entry.random_stream or strategy, viewpoint.key, viewpoint.number
+    )
     with_spares = attention.model_copy(update={"fixations": attention.fixations + SPARE})
     chosen = entry.choose(viewpoint, with_spares, generator)
     return location_table(viewpoint.key, viewpoint.number, strategy, chosen)
@@ -83,7 +85,7 @@ def location_table(
         "face": chosen.faces,
         **dict(zip(("pixel_row", "pixel_column", "saliency"), pixels, strict=True)),
         "unreachable": [entry and entry.unreachable] * count,
-        "chance": (entry and entry.chance) or strategy,
+        "random_stream": (entry and entry.random_stream) or strategy,
     }
     columns |= dict(zip(POINT_NAMES, chosen.points.T, strict=True))
     columns |= dict(zip(NORMAL_NAMES, chosen.normals.T, strict=True))

@@ -43,9 +43,9 @@ class Strategy:
         `choose` must work with any `Viewpoint`.
     unreachable : {"replace", "skip", "keep"}, optional
         Treatment of locations out of reach; by default as parameter `probing.unreachable` says.
-    chance : str, optional
+    random_stream : str, optional
         Name from which the random numbers of `choose` and of the sensor noise are seeded, by default `name`.
-        Strategies with the same `chance` get the same random numbers.
+        Strategies with the same `random_stream` get the same random numbers.
 
     Raises
     ------
@@ -59,7 +59,7 @@ class Strategy:
     random: bool = True
     needs_view: bool = True
     unreachable: Unreachable | None = None
-    chance: str | None = None
+    random_stream: str | None = None
 
     def __post_init__(self) -> None:
         """Check the treatment of places out of reach."""
@@ -87,7 +87,7 @@ PLANNED: Registry[Strategy] = Registry(
         anywhere.choose,
         needs_view=False,
         unreachable="keep",
-        chance="random",
+        random_stream="random",
     ),
     Strategy(
         "random_visible",
@@ -133,8 +133,8 @@ def entry_of(registry: Registry[Any], name: str) -> Any:
     """Return an entry of a registry by its name, or by the name of a further draw such as ``random#2``.
 
     A draw is a random choice of locations; the plain name ``random`` is draw 0. For ``random#2`` the entry of
-    ``random`` is returned with new `name`, `label` and `chance`, so its random numbers differ from those of
-    ``random#1``. Strategies that share `chance` share the random numbers of each draw too.
+    ``random`` is returned with new `name`, `label` and `random_stream`, so its random numbers differ from those of
+    ``random#1``. Strategies that share `random_stream` share the random numbers of each draw too.
 
     Raises
     ------
@@ -150,5 +150,7 @@ def entry_of(registry: Registry[Any], name: str) -> Any:
             f"{name!r} is no draw of a random strategy; the name of a random strategy, {DRAW_MARK} and a number "
             "from 1 to 999999 are allowed, such as 'random#1'."
         )
-    chance = f"{entry.chance or strategy}{DRAW_MARK}{draw}"
-    return replace(entry, name=name, label=f"{entry.label}, draw {draw}", chance=chance)
+    random_stream = f"{entry.random_stream or strategy}{DRAW_MARK}{draw}"
+    return replace(
+        entry, name=name, label=f"{entry.label}, draw {draw}", random_stream=random_stream
+    )

@@ -170,7 +170,7 @@ def _draw_leads(rows: Sequence[str], rows_are: str, series: Sequence[Series]) ->
     axes.set_yticks(range(len(labels)), labels)
     axes.set_ylim(len(labels) - 0.5, -0.5)
     axes.grid(visible=False, axis="y")
-    return finish(chart, "lead, percentage points", rows_are, across_as=_as_points, columns=1)
+    return label_axes(chart, "lead, percentage points", rows_are, xformat=_as_points, columns=1)
 
 
 @style()
@@ -245,7 +245,7 @@ def cost(
         axis.set_ticks([], minor=True)
     lowest = -0.3 * errors[0] if flawless else errors[0] / 1.25
     axes.set_ylim(lowest, 1.1 * max(max(row["error"], row["error_high"]) for row in rows))
-    return finish(chart, across, "error rate")
+    return label_axes(chart, across, "error rate")
 
 
 @style()
@@ -265,7 +265,7 @@ def parts_of_time(table: Rows) -> Figure:
     axes.set_xlim(0, 2.2 * max(seconds))
     across = "median time in one recognition"
     axes.grid(visible=False)
-    return finish(chart, across, "part", across_as=lambda tick, _: duration(tick))
+    return label_axes(chart, across, "part", xformat=lambda tick, _: duration(tick))
 
 
 @style()
@@ -289,7 +289,7 @@ def stability(table: pa.Table) -> Figure:
     axes.set_xlim(0, LARGEST_SHARE)
     axes.set_xticks([0, 0.5, 1], ["0 %", "50 %", "tolerance"])
     axes.grid(visible=False, axis="y")
-    return finish(chart, "worst error, share of tolerance", "requirement")
+    return label_axes(chart, "worst error, share of tolerance", "requirement")
 
 
 @style()
@@ -299,7 +299,7 @@ def bands(deviations: Sequence[float]) -> Figure:
     axes.bar(range(1, len(deviations) + 1), deviations, color=look(0)[0])
     axes.set_xticks([1, len(deviations)])
     axes.locator_params(axis="y", nbins=3)
-    return finish(chart, "sub-band", "deviation")
+    return label_axes(chart, "sub-band", "deviation")
 
 
 def trends(rows: Sequence[Mapping[str, Any]]) -> list[list[Mapping[str, Any]]]:
@@ -369,7 +369,7 @@ def _draw_intervals(
     axes.set_ylim(len(names) - 0.5, -0.5)
     begins = f" (axis from {whole_percent(start)})" if start else ""
     axes.grid(visible=False, axis="y")
-    return finish(chart, f"correctly classified{begins}", rows_are, across_as=whole_percent)
+    return label_axes(chart, f"correctly classified{begins}", rows_are, xformat=whole_percent)
 
 
 def draw_lines(lines: Mapping[str, Any], height: float, *more: str) -> tuple[Figure, Axes]:
@@ -429,21 +429,22 @@ def _draw_front(axes: Axes, rows: Sequence[Mapping[str, Any]], families: Sequenc
         )  # fmt: skip
 
 
-def finish(
+def label_axes(
     chart: Figure,
-    across: str,
-    up: str,
-    across_as: Write | None = None,
-    up_as: Write | None = None,
+    xlabel: str,
+    ylabel: str,
+    xformat: Write | None = None,
+    yformat: Write | None = None,
     columns: int | None = None,
 ) -> Figure:
     """Name the axes of a chart, add its legend, and return the chart.
 
-    `across` and `up` are the names of the horizontal and the vertical axis; `across_as` and `up_as` format the ticks. `columns` is the number of columns of the legend; by default it follows from the labels.
+    `xformat` and `yformat` format the ticks. `columns` is the number of columns of the legend; by default the number follows
+    from the labels.
     """
     (axes,) = chart.axes
-    axes.set(xlabel=across, ylabel=up)
-    for axis, write in ((axes.xaxis, across_as), (axes.yaxis, up_as)):
+    axes.set(xlabel=xlabel, ylabel=ylabel)
+    for axis, write in ((axes.xaxis, xformat), (axes.yaxis, yformat)):
         if write is not None:
             axis.set_major_formatter(write)
     handles, labels = axes.get_legend_handles_labels()

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from itertools import groupby
 from operator import itemgetter
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
@@ -26,20 +26,26 @@ from visuohaptic.evaluation.intervals import (
     object_interval,
     plain_interval,
 )
+from visuohaptic.evaluation.means_over_draws import PredictionKey
 from visuohaptic.evaluation.metrics import round_numbers
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.tables.schema import build_rows, read_table, write_table
 from visuohaptic.tables.studies import STUDY, STUDY_FIGURES
 
 Row = dict[str, Any]
-CellKey = tuple[str, str, str, str]
-"""Condition, pipeline, strategy and classifier."""
 
-PredictionKey = tuple[str, str, str]
-"""Pipeline, strategy and classifier."""
+
+class CellKey(NamedTuple):
+    """The accuracies of a classifier in one condition of a study."""
+
+    condition: str
+    pipeline: str
+    strategy: str
+    classifier: str
+
 
 _OMITTED = ("study", "title", "condition", "pipeline", "strategy", "classifier", "place", "seconds")
-CELL = ("condition", "pipeline", "strategy", "classifier")
+CELL = CellKey._fields
 LEADER = "fixation"
 """The strategy whose lead over each other strategy is computed."""
 
@@ -75,7 +81,7 @@ def read_cells(parts: Iterable[str | Path]) -> dict[CellKey, Cell]:
 
 def cells_of(rows: pa.Table) -> dict[CellKey, Cell]:
     """Average each object's accuracy over splits, from rows of `tables.STUDY`."""
-    return {key: _cell(part) for key, part in rows_by(rows, CELL).items()}
+    return {CellKey(*key): _cell(part) for key, part in rows_by(rows, CELL).items()}
 
 
 def predicted_cells(predictions: pa.Table) -> dict[PredictionKey, Cell]:
@@ -85,12 +91,13 @@ def predicted_cells(predictions: pa.Table) -> dict[PredictionKey, Cell]:
     """
     is_right = pc.equal(predictions.column("predicted"), predictions.column("class"))
     rows = predictions.append_column("right", pc.cast(is_right, pa.float64()))
-    tested = (*CELL[1:], "class", "object", "split", "seed")
+    tested = (*PredictionKey._fields, "class", "object", "split", "seed")
     means = rows.group_by(list(tested), use_threads=False).aggregate([("right", "mean")])
     means = means.rename_columns({"seed": "repeat", "right_mean": "accuracy"})
     means = means.append_column("sequences", pa.array(np.ones(means.num_rows)))
     return {
-        key: average_objects(part, "sequences")[0] for key, part in rows_by(means, CELL[1:]).items()
+        PredictionKey(*key): average_objects(part, "sequences")[0]
+        for key, part in rows_by(means, PredictionKey._fields).items()
     }
 
 
@@ -133,19 +140,19 @@ def study_figures(
     conditions = study["conditions"]
     order = {condition["name"]: place for place, condition in enumerate(conditions)}
     rows: list[Row] = []
-    for key in sorted(cells, key=lambda key: (key[1:], order[key[0]])):
-        condition = conditions[order[key[0]]]
+    for key in sorted(cells, key=lambda key: (key[1:], order[key.condition])):
+        condition = conditions[order[key.condition]]
         other = condition["compared_with"] or conditions[0]["name"]
-        leader = cells.get((key[0], key[1], LEADER, key[3]))
+        leader = cells.get(key._replace(strategy=LEADER))
         rows.append(
             {
                 "study": study["name"],
                 "title": study["title"],
                 **dict(zip(CELL, key, strict=True)),
-                "place": order[key[0]],
+                "place": order[key.condition],
                 "recomputed": condition["recomputed"],
-                "compared_with": None if other == key[0] else other,
-                **_figures(cells[key], cells.get((other, *key[1:])), intervals),
+                "compared_with": None if other == key.condition else other,
+                **_figures(cells[key], cells.get(key._replace(condition=other)), intervals),
                 **_paired_with_classes("lead", "lead_p", compare(leader, cells[key], intervals)),
             }
         )

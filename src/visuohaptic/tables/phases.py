@@ -135,7 +135,7 @@ FIXATIONS = Schema(
             "replace, skip or keep a location that the sensor can't reach; missing: as probing.unreachable says",
             nullable=True,
         ),
-        Column("chance", TEXT, "name of the random generator of the strategy"),
+        Column("random_stream", TEXT, "name of the strategy's stream of random numbers"),
     ),
 )
 

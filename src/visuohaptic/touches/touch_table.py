@@ -47,9 +47,9 @@ def place_sensors_at(
 def random_fields(fixations: pa.Table, seed: int) -> RandomFields:
     """Return the random numbers of touches at rows of `tables.FIXATIONS`.
 
-    The keys are the keys of the rows, with column ``chance`` in place of ``strategy``.
+    The keys are the keys of the rows, with column ``random_stream`` in place of ``strategy``.
     """
-    names = ["chance" if name == "strategy" else name for name in FIXATIONS.keys]
+    names = ["random_stream" if name == "strategy" else name for name in FIXATIONS.keys]
     keys = [fixations.column(name).to_pylist() for name in names]
     return RandomFields(seed, list(zip(*keys, strict=True)))
 

@@ -81,8 +81,8 @@ def read(source: Source, file_type: str | None = None, largest_megabytes: float 
     Mesh
         Triangles in the frame and unit of the source, glTF in metres. Unused vertices are dropped, except those of a
         `Mesh`. Files that a model refers to, such as images, are read only from the folder of the path and below.
-        An open file has no folder, so these files are missing. `Mesh.notes` has up to five sentences, one of which
-        names up to five missing files; NaN or infinite vertices are counted in a sentence before them.
+        An open file has no folder, so these files are missing. `Mesh.notes` has up to five sentences; the first
+        names up to five missing files. NaN or infinite vertices are counted in a sentence before these.
 
     Raises
     ------

@@ -13,12 +13,14 @@ from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.base.arrays import BoolArray, FloatArray
 from visuohaptic.base.bounded_loops import turns
 from visuohaptic.evaluation.intervals import PairedComparison, holm
+from visuohaptic.evaluation.means_over_draws import PredictionKey
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import is_measured_by_run, plan_study
 from visuohaptic.studies.cost.cost_rows import Row, mark_front, seconds_and_errors
 from visuohaptic.studies.cost.settings import FRONTIER, Setting, frontier_settings
 from visuohaptic.studies.figures import (
     Cell,
+    CellKey,
     compare,
     condition_interval,
     ends,
@@ -61,11 +63,11 @@ def setting_cells(step: StepInputs, study: Study, settings: Sequence[Setting]) -
     predicted = predicted_cells(read_table(PREDICTIONS, files)) if files else {}
     cells = []
     for setting, planned in zip(settings, plan_study(study, step.run).conditions, strict=True):
-        key = (setting.pipeline, setting.strategy, setting.classifier)
+        key = PredictionKey(setting.pipeline, setting.strategy, setting.classifier)
         if files and is_measured_by_run(planned, step.run):
             cells.append(predicted.get(key, NOT_PREDICTED))
         else:
-            cells.append(measured[setting.condition.name, *key])
+            cells.append(measured[CellKey(setting.condition.name, *key)])
     return cells
 
 
