@@ -30,8 +30,8 @@ STUDY = Study(
             "eye_and_touch",
             "eye_and_touch.trials:make_eye_and_touch",
             ("results/eye_and_touch.parquet", "reports/eye_and_touch.json"),
-            takes=("meshes",),
-            takes_where={"cost.adaptive": "results/study_candidates.parquet"},
+            inputs=("meshes",),
+            inputs_where={"cost.adaptive": "results/study_candidates.parquet"},
             needs={
                 "exclude": {
                     **WITHOUT_EFFECT,

@@ -52,7 +52,7 @@ STUDY = Study(
             "known_objects",
             "known_objects.new_touches:make_known_objects",
             ("results/known_objects.parquet", "reports/known_objects.json"),
-            takes=("recomputed_features",),
+            inputs=("recomputed_features",),
             needs={"exclude": WITHOUT_EFFECT},
             is_shown=False,
         ),

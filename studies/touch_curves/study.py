@@ -46,7 +46,7 @@ STUDY = Study(
             "study_candidates",
             "touch_curves.adaptive:make_candidates",
             ("results/study_candidates.parquet",),
-            takes=("meshes",),
+            inputs=("meshes",),
             needs={
                 "exclude": {
                     **WITHOUT_EFFECT,
@@ -60,7 +60,7 @@ STUDY = Study(
             "study_adaptive",
             "touch_curves.adaptive:make_adaptive_rows",
             ("results/study_adaptive/{pipeline}.parquet",),
-            takes=("results/study_candidates.parquet",),
+            inputs=("results/study_candidates.parquet",),
             needs=DUMP_FOR_CONDITIONS,
             is_block=True,
             is_shown=False,

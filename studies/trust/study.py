@@ -12,7 +12,7 @@ STUDY = Study(
             "trust",
             "trust.classes_left_out:make_trust",
             ("results/trust.parquet", "reports/trust.json"),
-            takes=("features",),
+            inputs=("features",),
             needs={
                 "include": {"seed": True, "probing": {"strategies"}, "recognition": True},
                 "exclude": {"recognition": {"pipelines"}},

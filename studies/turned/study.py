@@ -103,7 +103,7 @@ STUDY = Study(
             "trained_upright",
             "turned.trained_upright:make_trained_upright",
             ("results/trained_upright.parquet",),
-            takes=("recomputed_features",),
+            inputs=("recomputed_features",),
             needs=DUMP_FOR_CONDITIONS,
             is_block=True,
             is_shown=False,

@@ -20,7 +20,7 @@ STUDY = Study(
             "variants_page",
             "variants.page:make_variants_page",
             ("reports/variants.html",),
-            takes=("results/variants.parquet",),
+            inputs=("results/variants.parquet",),
             is_shown=False,
         ),
         # A single variant: `snakemake -j2 results/variant/r017.json`.

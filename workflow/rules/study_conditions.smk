@@ -44,7 +44,7 @@ SAMPLE = sample_objects(OBJECTS, PARAMETERS.cost.maximum_objects)
 
 def takes_predictions(study):
     """Return whether a study reads the run's predictions: a step takes them, and the study measures all objects."""
-    return any("predictions" in step.takes for step in study.steps) and (
+    return any("predictions" in step.inputs for step in study.steps) and (
         SAMPLE == OBJECTS or not study.is_sampled
     )
 
@@ -235,7 +235,7 @@ def measured_objects(study, step):
 
 
 def inputs_of_step(study, step):
-    """Return the inputs of a step by name, for `takes`: lists of files, or two input functions (`features_for`)."""
+    """Return the inputs of a step by name, for `inputs`: lists of files, or two input functions (`features_for`)."""
     if "condition" in step.wildcards:
         return features_for(study.name)
     measured = measured_objects(study, step)
@@ -256,14 +256,14 @@ def inputs_of_step(study, step):
             else []
         ),
     }
-    where = step.takes_where.items()
+    where = step.inputs_where.items()
     available["tables"] = of_pipelines(
         [
-            *(name for name in step.takes if name not in available),
+            *(name for name in step.inputs if name not in available),
             *(file for name, file in where if attrgetter(name)(PARAMETERS)),
         ]
     )
-    names = (*step.takes, *(["tables"] if available["tables"] else []))
+    names = (*step.inputs, *(["tables"] if available["tables"] else []))
     return {name: available[name] for name in names if name in available}
 
 
@@ -280,9 +280,9 @@ def params_of_step(study, step):
         "recomputed": [],
         "condition": None,
     }
-    if {"meshes", "fixations"} & {*step.takes}:
+    if {"meshes", "fixations"} & {*step.inputs}:
         params["measured"] = measured_objects(study, step)
-    if "recomputed_features" in step.takes:
+    if "recomputed_features" in step.inputs:
         params["recomputed"] = list(PLANS[study.name].recomputations)
     if "condition" in step.wildcards:
         params["recomputed"] = lambda wildcards: recomputed_keys(wildcards, study.name)

@@ -75,8 +75,8 @@ class StepInputs:
     study : str
         The study's name.
     inputs : mapping of str to sequence of str
-        Files by entry of `Step.takes`. The files of steps are together in entry ``tables``, in the order of
-        `Step.takes` and `Step.takes_where`. ``meshes`` has one file per object.
+        Files by entry of `Step.inputs`. The files of steps are together in entry ``tables``, in the order of
+        `Step.inputs` and `Step.inputs_where`. ``meshes`` has one file per object.
     outputs : sequence of str
         The files to write: `Step.files` with the values of the wildcards.
     run : ExperimentParameters
@@ -121,13 +121,13 @@ class Step:
         the module. The module's code is part of the job's key.
     files : tuple of str
         The files to write. With ``{condition}`` or ``{pipeline}`` in all names, the step has one job per value.
-    takes : tuple of str
+    inputs : tuple of str
         Inputs: tables of the run (``meshes``, ``fixations``, ``features``, ``predictions``), ``blocks`` of the
         conditions, ``recomputed_features``, and files of steps of any study. If a step takes ``predictions``, the
         blocks leave out conditions that `conditions.is_measured_by_run` finds in the run. If the study measures
         only a sample of the objects, ``predictions`` is empty and the blocks are complete. A step with
-        ``{condition}`` ignores `takes`: it gets the ``features`` and ``recomputed_features`` of its condition.
-    takes_where : mapping of str to str
+        ``{condition}`` ignores `inputs`: it gets the ``features`` and ``recomputed_features`` of its condition.
+    inputs_where : mapping of str to str
         Dotted name of a parameter to file of a step. The step takes the file only if the parameter is true.
     needs : mapping
         Arguments of `pydantic.BaseModel.model_dump` that select the parameters of the step.
@@ -146,8 +146,8 @@ class Step:
     name: str
     work: str
     files: tuple[str, ...]
-    takes: tuple[str, ...] = ("blocks",)
-    takes_where: Mapping[str, str] = field(default_factory=dict)
+    inputs: tuple[str, ...] = ("blocks",)
+    inputs_where: Mapping[str, str] = field(default_factory=dict)
     needs: Mapping[str, Any] = field(
         default_factory=lambda: {"include": {"recognition": {"intervals"}}}
     )
@@ -233,10 +233,10 @@ class Study:
         return tuple(re.sub(r"{\w+}", "*", pattern) for pattern in (*own, *steps))
 
     @property
-    def taken(self) -> tuple[str, ...]:
-        """The entries of `takes` and files of `takes_where` of all steps, whether or not the parameters are true."""
+    def all_inputs(self) -> tuple[str, ...]:
+        """The entries of `inputs` and files of `inputs_where` of all steps, whether or not the parameters are true."""
         return tuple(
-            name for step in self.steps for name in (*step.takes, *step.takes_where.values())
+            name for step in self.steps for name in (*step.inputs, *step.inputs_where.values())
         )
 
     def owns(self, file: str) -> bool:

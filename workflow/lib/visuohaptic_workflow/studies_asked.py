@@ -60,7 +60,7 @@ def studies_to_plan(
         waiting += [
             other
             for other in studies.values()
-            if other.name not in chosen and any(map(other.owns, study.taken))
+            if other.name not in chosen and any(map(other.owns, study.all_inputs))
         ]
     return {name: study for name, study in studies.items() if name in chosen}
 

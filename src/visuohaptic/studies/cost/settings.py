@@ -167,7 +167,7 @@ def cost_study(
         f"{name}_seconds",
         works[0],
         (f"results/{name}_seconds.parquet",),
-        takes=("meshes", "features", "recomputed_features"),
+        inputs=("meshes", "features", "recomputed_features"),
         needs={"exclude": {**DUMP_FOR_CONDITIONS["exclude"], **robot}},
         objects="timed",
         is_alone=not is_part_of_run,
@@ -177,7 +177,7 @@ def cost_study(
         name,
         works[1],
         (f"results/{name}.parquet",),
-        takes=("blocks", "predictions", *seconds.files),
+        inputs=("blocks", "predictions", *seconds.files),
         needs={"exclude": {**WITHOUT_EFFECT, "cost": set()}},
     )
     return Study(

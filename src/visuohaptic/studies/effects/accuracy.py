@@ -58,7 +58,7 @@ INFLUENCE = Study(
             "effect_influence",
             "visuohaptic.studies.effects.influence:make_effect_influence",
             ("results/effect_influence.parquet",),
-            takes=("meshes", "fixations"),
+            inputs=("meshes", "fixations"),
             needs={
                 "include": {
                     **dict.fromkeys(("seed", "viewpoints", "rendering", "sensor", "scene"), True),
