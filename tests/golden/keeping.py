@@ -16,7 +16,7 @@ from golden.golden_tables import differences, read_kept, report, write_csv, writ
 from golden.run_tables import read_run
 from golden.variants import variant_tables
 from small_experiment import COPIED, SMALL_OBJECTS, copy_experiment, copy_files
-from workflow.conftest import SMALL, Experiment
+from workflow.experiments import SMALL, Experiment
 
 KEPT = Path(__file__).with_name("kept")
 RUNS = ("variants", "small_run", "default_run")

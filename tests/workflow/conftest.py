@@ -2,94 +2,19 @@
 
 import fcntl
 import os
-import re
 import shutil
-import subprocess
-import sys
-from dataclasses import dataclass, field
-from pathlib import Path
 
 import pytest
-from small_experiment import COPIED, SMALL_OBJECTS, copy_experiment, set_parameters
+from small_experiment import COPIED, SMALL_OBJECTS, copy_experiment
 from workflow import stand_ins
-
-SMALL = {
-    "viewpoints": {"count": 2},
-    "rendering": {"resolution": 64},
-    "workflow": {"views_per_job": 2, "objects_per_job": 2},
-    "recognition": {"pipelines": ["paper"]},
-}
+from workflow.experiments import SMALL, Experiment
+from workflow.quick_commands import serving
 
 
 def pytest_addoption(parser):
     parser.addoption(
         "--examples", type=int, metavar="N", help="examples of the state machine of working folders"
     )
-
-
-@dataclass(frozen=True)
-class Experiment:
-    """A copy of the repository in which commands can be run; `variables` are more of the environment."""
-
-    folder: Path
-    variables: dict[str, str] = field(default_factory=dict)
-
-    @property
-    def environment(self):
-        """That of a user's shell, with bytecode; a copy's own package is found by the copy's own means."""
-        kept = {
-            key: value
-            for key, value in os.environ.items()
-            if not key.startswith(("GIT_", "PYTEST_", "DVC_"))
-            and key not in {"PYTHONPATH", "PYTHONDONTWRITEBYTECODE"}
-        }
-        path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-        return {**kept, "PATH": path, **self.variables}
-
-    def run(self, *command, check=True, **more):
-        """Run a command of the environment there, and give what it printed."""
-        result = subprocess.run(
-            command, cwd=self.folder, env={**self.environment, **more}, check=False, text=True,
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=600,
-        )  # fmt: skip
-        if check and result.returncode:
-            raise AssertionError(f"{' '.join(map(str, command))} failed:\n{result.stdout[-5000:]}")
-        return result
-
-    def start(self, *command):
-        """Start a command in a process group of its own."""
-        return subprocess.Popen(
-            command, cwd=self.folder, env=self.environment, start_new_session=True,
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        )  # fmt: skip
-
-    def snakemake(self, *arguments, check=True):
-        return self.run("snakemake", "-j2", *arguments, check=check)
-
-    def planned(self, *targets):
-        """Count the jobs of each rule that would run now."""
-        output = self.snakemake("-n", *targets).stdout
-        if "Nothing to be done" in output:
-            return {}
-        table = output.split("Job stats:")[1].split("\n\n")[0]
-        counts = re.findall(r"^(\w+) +(\d+)$", table, re.M)
-        return {
-            name: int(count) for name, count in counts if name not in {"total", "all", *targets}
-        }
-
-    def set(self, **sections):
-        """Change parameters, section by section."""
-        set_parameters(self.folder, sections)
-
-    def commit(self, message):
-        """Let DVC take over all results, and commit everything that git tracks or should track."""
-        self.run("dvc", "commit", "--force")
-        self.run("git", "add", "--all")
-        self.run("git", "commit", "-qm", message)
-
-    def copy(self, folder):
-        shutil.copytree(self.folder, folder, symlinks=True)
-        return Experiment(folder)
 
 
 @pytest.fixture(scope="session")
@@ -112,6 +37,13 @@ def once(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
+def open_folder():
+    """Return the function that opens a folder as an experiment whose commands run in forks of one process."""
+    with serving() as open_folder:
+        yield open_folder
+
+
+@pytest.fixture(scope="session")
 def fresh(once):
     """The experiment before anything has run."""
     return once("fresh", lambda one: copy_experiment(one.folder, COPIED, SMALL_OBJECTS, SMALL))
@@ -124,45 +56,45 @@ def finished(fresh, once):
 
 
 @pytest.fixture
-def experiment(finished, tmp_path):
-    """A finished experiment to do with as a test likes."""
-    return finished.copy(tmp_path / "experiment")
+def experiment(finished, open_folder, tmp_path):
+    """A copy of the finished experiment. Its dry runs are forks."""
+    folder = finished.copy(tmp_path / "experiment").folder
+    return open_folder(folder, has_stand_ins=False)
 
 
 @pytest.fixture(scope="session")
-def whole_stand_in(once):
-    """A finished experiment whose scripts are stand-ins."""
+def whole_stand_in(once, open_folder):
+    """A finished experiment whose scripts are stand-ins, and whose commands are forks."""
 
     def make(one):
         stand_ins.make_experiment(one.folder)
-        one.snakemake()
+        open_folder(one.folder).snakemake()
 
-    return once("stand_in", make)
+    return open_folder(once("stand_in", make).folder)
 
 
 @pytest.fixture
 def stand_in(whole_stand_in, tmp_path):
-    """A finished experiment of stand-ins to do with as a test likes."""
+    """A copy of the finished experiment of stand-ins."""
     return whole_stand_in.copy(tmp_path / "experiment")
 
 
 @pytest.fixture
-def fresh_stand_in(tmp_path):
+def fresh_stand_in(open_folder, tmp_path):
     """An experiment of stand-ins before anything has run."""
-    experiment = Experiment(tmp_path / "experiment")
-    stand_ins.make_experiment(experiment.folder)
-    return experiment
+    stand_ins.make_experiment(tmp_path / "experiment")
+    return open_folder(tmp_path / "experiment")
 
 
 @pytest.fixture(scope="session")
-def repository(whole_stand_in, once):
+def repository(whole_stand_in, open_folder, once):
     """A git repository of stand-ins whose results DVC has taken over."""
 
     def make(one):
-        whole_stand_in.copy(one.folder)
-        one.run("git", "init", "-q", "-b", "main")
-        one.run("git", "config", "user.name", "A")
-        one.run("git", "config", "user.email", "a@b.c")
-        one.commit("run")
+        made = whole_stand_in.copy(one.folder)
+        made.run("git", "init", "-q", "-b", "main")
+        made.run("git", "config", "user.name", "A")
+        made.run("git", "config", "user.email", "a@b.c")
+        made.commit("run")
 
-    return once("repository", make)
+    return open_folder(once("repository", make).folder)

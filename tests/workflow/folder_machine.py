@@ -18,7 +18,7 @@ from hypothesis import note
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, precondition, rule
 from small_experiment import SMALL_OBJECTS, set_parameters, write_catalogue
-from workflow.conftest import Experiment
+from workflow.experiments import Experiment
 from workflow.quick_commands import Fault
 from workflow.stand_ins import MODULES, digests, stand_in
 

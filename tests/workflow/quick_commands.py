@@ -2,7 +2,7 @@
 
 A command that way costs a fraction of a second instead of seconds, so that a test can run hundreds. Everything is real
 but two things: a job's script runs in the process of Snakemake, and the value of a module that a stand-in imports is
-read from the text of the module. Bytecode and imports are tested with real processes, in test_states.py.
+read from the text of the module. Bytecode and imports are tested with real processes, in `test_states.py`.
 
 Jobs can be disturbed: variable `FAULT` of the environment is JSON with the fields of `Fault`.
 """
@@ -21,17 +21,19 @@ import subprocess
 import sys
 import tempfile
 import threading
-import traceback
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 
-from workflow.conftest import Experiment
+from workflow.experiments import Experiment
 from workflow.shim import ask
 
 FAULT = "TEST_FAULT"
 SERVER = "TEST_SERVER"
+CLONE = "TEST_CLONE"
+PARENT = "TEST_PARENT"
 COMMANDS = ("snakemake", "dvc")
 IMPORTED = (
     "dvc.cli", "dvc.repo", "snakemake.cli", "visuohaptic.phases", "visuohaptic_workflow.closing",
@@ -61,19 +63,33 @@ class Fault:
 
 @dataclass(frozen=True)
 class QuickExperiment(Experiment):
-    """An experiment whose `snakemake` and `dvc` run in forks of a server; `inspect` answers as `clean_runs` says."""
+    """An experiment whose `snakemake` and `dvc` run in forks of a server; `inspect` answers as `clean_runs` says.
+
+    Real scripts run in processes of their own, so that only dry runs are forks where `has_stand_ins` is False.
+    `clone` is the folder of the code, if this folder has none.
+    """
 
     server: Path = Path()
+    has_stand_ins: bool = True
+    clone: Path | None = None
 
     def run(self, *command, check=True, **more):
-        if command[0] not in COMMAND_OF:
+        is_quick = command[0] in COMMAND_OF and (self.has_stand_ins or "-n" in command)
+        if not is_quick:
             return super().run(*command, check=check, **more)
         environment = {**self.environment, **more, SERVER: str(self.server)}
+        if self.clone:
+            environment[CLONE] = str(self.clone)
         environment["PATH"] = f"{self.server.parent}/bin{os.pathsep}{environment['PATH']}"
         answer = ask(self.server, command, self.folder, environment)
         if check and answer.returncode:
             raise AssertionError(f"{' '.join(command)} failed:\n{answer.stdout[-5000:]}")
         return answer
+
+    def snakemake(self, *arguments, check=True):
+        """Run Snakemake. Stand-ins run in the process of Snakemake, one at a time."""
+        jobs = "-j1" if self.has_stand_ins else "-j2"
+        return self.run("snakemake", jobs, *arguments, check=check)
 
 
 @contextmanager
@@ -108,7 +124,7 @@ def serving():
         ) as server:
             server.stdout.readline()  # it listens
             try:
-                yield lambda folder: QuickExperiment(folder, server=address)
+                yield partial(QuickExperiment, server=address)
             finally:
                 server.terminate()
 
@@ -156,15 +172,17 @@ def run_request(argv, folder, environment):
     os.chdir(folder)
     os.environ.clear()
     os.environ.update(environment)
+    if parent := os.environ.pop(PARENT, ""):
+        os.getppid = lambda: int(parent)  # the run that waits for this process
     sys.argv = list(argv)
     sys.path[:0] = filter(None, environment.get("PYTHONPATH", "").split(os.pathsep))
-    relocate_modules(folder)
+    relocate_modules(environment.get(CLONE, folder))
     try:
         code = COMMAND_OF[argv[0]](argv[1:])
     except SystemExit as ended:
         code = ended.code
     except BaseException:  # noqa: BLE001 - printed as Python would
-        traceback.print_exc()
+        sys.excepthook(*sys.exc_info())
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError, ValueError):
             stream.flush()
@@ -222,7 +240,11 @@ def answer_children():
     def run_by_server(command, *more, **options):
         if list(command[:2]) != [sys.executable, "-m"] or command[2] not in COMMANDS:
             return run(command, *more, **options)
-        environment = {**(options.get("env") or os.environ), SERVER: os.environ[SERVER]}
+        environment = {
+            **(options.get("env") or os.environ),
+            SERVER: os.environ[SERVER],
+            PARENT: str(os.getpid()),
+        }
         environment["PATH"] = os.environ["PATH"]
         answer = ask(os.environ[SERVER], command[2:], Path.cwd(), environment)
         if not options.get("capture_output"):
@@ -257,7 +279,8 @@ def run_script_here(script, name, edit=False):
 
 def module_as_text(name):
     """Return the value that a module of the experiment would define now."""
-    text = Path("src", *name.split(".")).with_suffix(".py").read_text()
+    code = Path(os.environ.get(CLONE, ""), "src")
+    text = code.joinpath(*name.split(".")).with_suffix(".py").read_text()
     found = re.findall(r"^VALUE = (\d+)$", text, re.MULTILINE)
     return type("Module", (), {"VALUE": int(found[-1]) if found else 0})
 

@@ -118,7 +118,7 @@ def test_a_commit_that_fails_ends_in_a_sentence_and_the_next_one_locks(locked):
     cache.unlink()
     cache.with_name("aside").rename(cache)
     ask = ("snakemake", "--list-rules", "--quiet", "--workflow-profile", "none")
-    experiment.run("env", "VISUOHAPTIC_ASKED=lock", *ask)
+    experiment.run(*ask, VISUOHAPTIC_ASKED="lock")
     assert "largest_size: 0.25" in lock_of(experiment)
 
 

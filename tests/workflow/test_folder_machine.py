@@ -7,7 +7,6 @@ import trimesh
 from hypothesis import settings
 from hypothesis.stateful import run_state_machine_as_test
 from workflow.folder_machine import CONDITIONS, MESH, PLUG_IN, FolderMachine, add_branches
-from workflow.quick_commands import serving
 
 pytestmark = pytest.mark.workflow
 
@@ -15,23 +14,21 @@ EXAMPLES, STEPS = 12, 12
 
 
 @pytest.fixture(scope="module")
-def machine(whole_stand_in, repository, tmp_path_factory):
+def machine(whole_stand_in, repository, open_folder, tmp_path_factory):
     """A state machine that begins with a finished run, plain or in a repository with branches and experiments."""
     work = tmp_path_factory.mktemp("machine")
     (work / "repository").mkdir()
     trimesh.creation.box().export(work / "box.stl")
-    with serving() as open_folder:
-        repository.copy(work / "repository/experiment")
-        branched = open_folder(work / "repository/experiment")
-        add_branches(branched)
+    branched = repository.copy(work / "repository/experiment")
+    add_branches(branched)
 
-        class Machine(FolderMachine):
-            pass
+    class Machine(FolderMachine):
+        pass
 
-        Machine.starts = {"plain": whole_stand_in, "repository": branched}
-        Machine.work, Machine.box, Machine.counts = work, work / "box.stl", Counter()
-        Machine.open_folder = staticmethod(open_folder)
-        yield Machine
+    Machine.starts = {"plain": whole_stand_in, "repository": branched}
+    Machine.work, Machine.box, Machine.counts = work, work / "box.stl", Counter()
+    Machine.open_folder = staticmethod(open_folder)
+    return Machine
 
 
 @pytest.fixture

@@ -1,7 +1,7 @@
 """Other people's tools use the workflow: another workflow as a module, and Snakemake's own report."""
 
 import pytest
-from workflow.conftest import Experiment
+from workflow.experiments import Experiment
 
 pytestmark = [pytest.mark.workflow, pytest.mark.long]
 

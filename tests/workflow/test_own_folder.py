@@ -2,10 +2,10 @@
 
 import json
 import sys
+from dataclasses import replace
 
 import pytest
 import trimesh
-from workflow.conftest import Experiment
 
 pytestmark = pytest.mark.workflow
 
@@ -25,9 +25,9 @@ def clone(tmp_path_factory, whole_stand_in):
 @pytest.fixture
 def mine(clone, tmp_path):
     """A new folder for own objects, with the parameters of the stand-ins but for the set."""
-    made = Experiment(tmp_path, {"PYTHONPATH": str(clone.folder / "src")})
+    made = replace(clone, folder=tmp_path, variables={"PYTHONPATH": str(clone.folder / "src")})
     made.run(sys.executable, "-c", COMMAND, "new", "my objects", *CLASSES)
-    folder = Experiment(tmp_path / "my objects")
+    folder = replace(clone, folder=tmp_path / "my objects", clone=clone.folder)
     small = "viewpoints: {count: 2}\nworkflow: {views_per_job: 2, objects_per_job: 2}\n"
     with (folder.folder / "params.yaml").open("a") as stream:
         stream.write(f"{small}recognition: {{pipelines: [paper]}}\n")
@@ -131,6 +131,8 @@ def test_a_failed_run_names_objects_that_were_left_out(mine, whole_stand_in, tmp
     (clone.folder / "workflow/scripts/meshes.py").write_text(LEAVES_OUT)
     (clone.folder / "workflow/scripts/fixations.py").write_text("raise SystemExit(1)\n")
     add(mine, *ENOUGH)
-    ended = mine.snakemake("-s", str(clone.folder / "Snakefile"), check=False)
+    ended = replace(mine, clone=clone.folder).snakemake(
+        "-s", str(clone.folder / "Snakefile"), check=False
+    )
     assert ended.returncode == 1
     assert ended.stdout.count("bottle/a was left out: meshes/own/bottle/a.stl has no faces.\n") == 1

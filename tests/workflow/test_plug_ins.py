@@ -6,7 +6,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 from small_experiment import COPIED, SMALL_OBJECTS, copy_experiment
-from workflow.conftest import SMALL, Experiment
+from workflow.experiments import SMALL, Experiment
 
 pytestmark = [pytest.mark.workflow, pytest.mark.long]
 

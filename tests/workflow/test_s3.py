@@ -9,7 +9,7 @@ import boto3
 import pytest
 from golden import golden_tables, run_tables
 from moto.server import ThreadedMotoServer
-from workflow.conftest import Experiment
+from workflow.experiments import Experiment
 from workflow.stand_ins import digests
 
 pytestmark = [pytest.mark.workflow, pytest.mark.long]
