@@ -133,6 +133,9 @@ def serve(address):
     """Import what commands need, then fork a process per command, until this process is terminated."""
     for module in IMPORTED:
         import_module(module)
+    # The parsers of the command lines import all commands and plug-ins, half of the time of a dry run.
+    import_module("snakemake.cli").get_argument_parser()
+    import_module("dvc.cli.parser").get_main_parser()
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)
     with socket.socket(socket.AF_UNIX) as listening:
         listening.bind(address)
