@@ -10,7 +10,6 @@ import trimesh
 from recognition.synthetic import features_table
 from studies.surfaces import RUN, small_surfaces, surface_of, write_sources
 
-from ablations.study import STUDY as ABLATIONS
 from visuohaptic import recognition
 from visuohaptic.base.errors import ParameterError
 from visuohaptic.evaluation.summary import summarise
@@ -23,7 +22,6 @@ from visuohaptic.studies.conditions import (
     FIXATION_ONLY,
     describe_conditions,
     plan_study,
-    with_changes,
 )
 from visuohaptic.studies.figures import cells_of, condition_interval
 from visuohaptic.studies.measuring import (
@@ -37,30 +35,6 @@ from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import STUDY
 
-# Share of each object's sequences that was classified correctly: boxes, then rings. The same with OpenBLAS's kernels
-# for SkylakeX, Haswell and Prescott and NumPy's for AVX-512, AVX2 and older.
-EARLIER = {
-    ("whole_method", "paper"): [0.75, 0.75, 0.8333, 0.8333, 1.0, 1.0],
-    ("kinesthetic_only", "paper"): [0.75, 0.5, 0.6667, 0.9167, 0.9167, 0.6667],
-    ("nonsubsampled_contourlet", "paper"): [0.8333, 0.8333, 0.5, 0.6667, 1.0, 1.0],
-    ("image_statistics", "paper"): [0.9167, 0.5, 0.3333, 0.8333, 1.0, 0.1667],
-    ("fixed_sensor_size", "paper"): [1.0, 0.75, 0.8333, 0.8333, 1.0, 1.0],
-    ("without_map", "paper"): [1.0, 1.0, 1.0, 0.6667, 0.6667, 0.8333],
-    ("fsr400", "paper"): [1.0, 1.0, 0.75, 1.0, 1.0, 1.0],
-    ("without_colour", "paper"): [0.8333, 0.75, 0.8333, 0.6667, 1.0, 1.0],
-    ("without_edge", "paper"): [0.8333, 0.75, 0.6667, 0.5, 1.0, 1.0],
-}  # fmt: skip
-# With the defaults of that time.
-EARLIER_RUN = with_changes(
-    RUN,
-    {
-        "attention.weights": "equal",
-        "recognition.touch_scaling": "standardise",
-        "recognition.self_organising_map.output": "unit_distances",
-        "recognition.sequence.extension": "symmetric",
-        "probing.unreachable": "keep",
-    },
-)
 PAPER_ONLY = {**FIXATION_ONLY, "recognition.pipelines": ["paper"]}
 SYNTHETIC = features_table(objects=(3, 3, 3), viewpoints=4, touches=3, separation=0.3)
 
@@ -70,32 +44,12 @@ def run(tmp_path_factory):
     return write_sources(tmp_path_factory.mktemp("run"), small_surfaces())
 
 
-@pytest.fixture(scope="module")
-def ablations(tmp_path_factory):
-    sources, features = write_sources(
-        tmp_path_factory.mktemp("earlier"), small_surfaces(), EARLIER_RUN
-    )
-    plan = plan_study(ABLATIONS, EARLIER_RUN)
-    made = {key: recompute_features(one, sources) for key, one in plan.recomputations.items()}
-    return plan, {None: read_table(FEATURES, features), **made}
-
-
 def mine(*conditions):
     return plan_study(Study("mine", "Mine", lambda _: conditions), RUN)
 
 
 def cells(features, *planned):
     return cells_of(pa.concat_tables(measure_conditions("mine", planned, features, RUN.seed)))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "pipeline"), EARLIER)
-def test_accuracies_are_those_of_earlier_studies(ablations, name, pipeline):
-    plan, made = ablations
-    planned = next(one for one in plan.conditions if one.condition.name == name)
-    found = cells(made[planned.key], planned)
-    key = (name, pipeline, "fixation", "support_vector_machine")
-    assert np.round(found[key].accuracy, 4).tolist() == EARLIER[name, pipeline]
 
 
 # From features, touches and views on.
