@@ -7,7 +7,7 @@ import pandas as pd
 import pyarrow.compute as pc
 import pytest
 import trimesh
-from small_experiment import SMALL_OBJECTS, write_catalogue
+from small_experiment import SMALL_OBJECTS
 
 from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.geometry.surface import object_of
@@ -63,30 +63,17 @@ def test_every_run_checks_its_objects_and_quotes_the_hard_cases_of_the_code(fini
 
 
 @pytest.mark.long
-def test_the_report_reads_no_files_of_former_blocks_of_objects(experiment):
-    """Files of former jobs stay beside new files until the end of the run, and after a failure of a job."""
-    experiment.set(workflow={"objects_per_job": 4})
-    experiment.snakemake()
-    write_catalogue(experiment.folder, ["bsby_beer_bottle", *SMALL_OBJECTS[1:]])
-    assert "The report is at" in experiment.snakemake().stdout
-    own = read_table(STABILITY, experiment.folder / "results/stability")
-    cases = f"{sum(own['cases'].to_pylist()):,} hard cases"
-    assert (
-        f"Objects of this run: {cases}" in (experiment.folder / "reports/report.html").read_text()
+def test_own_objects_and_touches_by_a_policy_reach_models_checks_and_the_report(experiment):
+    """A broken mesh of the user and an exceeded tolerance are named, and fail no job."""
+    models = ("results/models/recogniser.skops", "results/models/recogniser_seek_relief.skops")
+    strategies = ("fixation", "seek_relief")
+    experiment.set(
+        probing={"strategies": [*strategies]}, recognition={"order_free": {"cues": ["pose"]}}
     )
-
-
-@pytest.mark.long
-def test_an_own_object_is_named_by_models_that_came_before_and_what_is_wrong_is_said_and_fails_nothing(
-    experiment,
-):
-    models = ("results/models/recogniser.skops", "results/models/recogniser_random.skops")
-    # The page is of another state then, and no word is said of it.
-    quick = {"cues": ["pose"]}
-    experiment.set(recognition={"order_free": quick})
     of_all = "results/models/all_strategies.skops"
+    # The report is of other parameters then, so its path is not printed.
     assert "The report is at" not in experiment.snakemake("--", *models, of_all).stdout
-    assert load_model(experiment.folder / of_all).strategies == ("fixation", "random")
+    assert load_model(experiment.folder / of_all).strategies == strategies
     own = experiment.folder / "meshes/own/chair"
     own.mkdir()
     trimesh.creation.box((1, 2, 1)).export(own / "stool.stl")
@@ -101,34 +88,24 @@ def test_an_own_object_is_named_by_models_that_came_before_and_what_is_wrong_is_
     assert "The report is at reports/report.html." in output
     assert re.search(r"warning: \S+: frames of touches: the worst", output)
     assert experiment.planned() == {}
-    touches = pd.read_parquet(experiment.folder / "results/touches")
-    assert "stool" in set(touches["object"])
-    assert "broken" not in set(touches["object"])
-    page = (experiment.folder / "reports/report.html").read_text()
-    assert "stool" in page
-    assert html.escape(reason, quote=True).replace("&#x27;", "&#39;") in page
-    assert ": frames of touches</a>: the worst error is" in page
-    experiment.run("visuohaptic", "evaluate", *models)
-    rows = pd.read_parquet(experiment.folder / "reports/evaluation.parquet")
-    assert set(rows["object"]) == {"stool"}
-    assert set(rows["strategy"]) == {"fixation", "random"}
-    assert set(rows["learnt"]) == {4}
-
-
-@pytest.mark.long
-def test_touches_by_a_policy_are_recognised_checked_timed_and_reported(experiment):
-    experiment.set(probing={"strategies": ["fixation", "seek_relief"]})
-    experiment.snakemake()
-    assert experiment.planned() == {}
     results = experiment.folder / "results"
     tries = pd.read_parquet(results / "policy_fixations")
     assert set(tries["strategy"]) == {"seek_relief"}
     assert len(tries) >= TOUCHES // 2
     for table in ("touches", "features", "scores"):
-        assert set(pd.read_parquet(results / table)["strategy"]) == {"fixation", "seek_relief"}
-    checked = read_table(STABILITY, results / "stability")
-    assert pc.all(pc.less_equal(checked["worst_error"], checked["tolerance"])).as_py()
+        assert set(pd.read_parquet(results / table)["strategy"]) == {*strategies}
+    objects = set(pd.read_parquet(results / "touches")["object"])
+    assert "stool" in objects
+    assert "broken" not in objects
     timed = pd.read_parquet(results / "frontier.parquet")
-    assert set(timed["strategy"]) == {"fixation", "seek_relief"}
+    assert set(timed["strategy"]) == {*strategies}
     page = (experiment.folder / "reports/report.html").read_text()
+    assert "stool" in page
     assert STRATEGIES["seek_relief"].label in page
+    assert html.escape(reason, quote=True).replace("&#x27;", "&#39;") in page
+    assert ": frames of touches</a>: the worst error is" in page
+    experiment.run("visuohaptic", "evaluate", *models)
+    rows = pd.read_parquet(experiment.folder / "reports/evaluation.parquet")
+    assert set(rows["object"]) == {"stool"}
+    assert set(rows["strategy"]) == {*strategies}
+    assert set(rows["learnt"]) == {4}

@@ -81,28 +81,6 @@ def test_the_report_shows_it_after_the_same_call_and_nothing_is_left_to_do(studi
     assert studied.planned("--", "study_mine", "all") == {}
 
 
-def test_the_report_shows_a_study_of_present_values_only(studied, tmp_path):
-    experiment = studied.copy(tmp_path / "experiment")
-    figures, page = (experiment.folder / file for file in (FIGURES, "reports/report.html"))
-    measured = figures.read_bytes()
-    assert TITLE in page.read_text()
-    experiment.set(recognition={"classifier": {"svm_penalty": 3.0}})
-    in_sight = {"block_of_study": 1}
-    assert experiment.planned() == {**FRONTIER, **AFTER, **RECOGNISED, **in_sight}
-    said = experiment.snakemake()
-    assert "The report leaves out study mine" in said.stdout
-    assert not figures.exists()
-    assert TITLE not in page.read_text()
-    assert experiment.planned() == {}
-    # Of the study's three blocks, all have another penalty or are without a change.
-    assert planned(experiment)["block_of_study"] == 3
-    experiment.set(workflow={"studies": ["mine"]})
-    assert experiment.planned() == {"block_of_study": 3, "figures_of_study": 1, "report": 1}
-    experiment.snakemake()
-    assert figures.read_bytes() != measured
-    assert TITLE in page.read_text()
-
-
 def test_what_was_lost_added_or_changed_is_measured_again_and_nothing_else(studied, tmp_path):
     experiment = studied.copy(tmp_path / "experiment")
     blocks = sorted((experiment.folder / "results/study_blocks/mine").glob("*.parquet"))
