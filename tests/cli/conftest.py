@@ -18,7 +18,7 @@ class Ended:
 
 @pytest.fixture
 def visuohaptic(monkeypatch, capsys, tmp_path):
-    """Run the command in a folder of its own, and give how it ended."""
+    """Run the command in a folder of its own, and return how the command ended."""
     monkeypatch.chdir(tmp_path)
 
     def run_in(*arguments, folder="."):

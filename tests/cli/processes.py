@@ -22,7 +22,7 @@ def start(arguments, folder, program=PROGRAM, stdout=subprocess.PIPE, **environm
 
 
 def run(arguments, folder, **options):
-    """Let the command end, and give its exit code and what it printed."""
+    """Run the command to its end, and return its exit code, standard output and standard error."""
     process = start(arguments, folder, **options)
     try:
         out, err = process.communicate(timeout=60)

@@ -39,7 +39,7 @@ TOUCHES = 5
 def write_run(
     folder, objects=OBJECTS, strategies=STRATEGIES, distinct=TOUCHES, pipelines=("paper",)
 ):
-    """Write every table, mesh, log and credit of a run as the workflow lays them out, and give where they lie."""
+    """Write every table, mesh, log and credit of a run as the workflow lays them out, and return their paths."""
     generator = np.random.default_rng(0)
     fixations = _fixations(objects, strategies, generator)
     scores, predictions = _answers(objects, strategies, pipelines, generator)
@@ -80,7 +80,7 @@ def write_run(
 
 
 def lay_out(folder, objects=OBJECTS):
-    """Write a run with its parameters, and give its folder."""
+    """Write a run with its parameters, and return its folder."""
     write_run(folder, objects)
     text = yaml.safe_dump(PARAMETERS.model_dump(mode="json"))
     (folder / "params.yaml").write_text(text)
@@ -88,7 +88,7 @@ def lay_out(folder, objects=OBJECTS):
 
 
 def write_study(folder, name, rows, **columns):
-    """Write a study's figures of (condition, accuracy, compared with, difference), and give the folder."""
+    """Write a study's figures of (condition, accuracy, compared with, difference), and return the folder."""
     missing = [row[1] is None for row in rows]
 
     def shifted(place, by):

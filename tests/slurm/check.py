@@ -103,7 +103,7 @@ def _write_profile(folder, cores):
 
 
 def _time(name, folder, command, environment):
-    """Run the workflow in a folder of its own, and give seconds and digests."""
+    """Run the workflow in a folder of its own, and return seconds and digests."""
     here = folder / name
     here.mkdir()
     shutil.copy(ROOT / "params.yaml", here)

@@ -121,7 +121,7 @@ class Cluster:
             _end(daemon)
 
     def run(self, *command):
-        """Run a command of the cluster, and give what it prints."""
+        """Run a command of the cluster, and return its output."""
         path = _find(command[0]) or command[0]
         ended = subprocess.run(
             [path, *command[1:]], env=self.environment, check=False, timeout=60,

@@ -66,7 +66,7 @@ def run_tables(surfaces, parameters=RUN):
 
 
 def write_meshes(folder, surfaces):
-    """Write surfaces as meshes of a run, and give their files."""
+    """Write surfaces as meshes of a run, and return their files."""
     meshes = [folder / f"{key}.ply" for key in surfaces]
     for mesh, surface in zip(meshes, surfaces.values(), strict=True):
         mesh.parent.mkdir(parents=True, exist_ok=True)
@@ -75,7 +75,7 @@ def write_meshes(folder, surfaces):
 
 
 def write_sources(folder, surfaces, run=RUN):
-    """Write what a run leaves for studies, and give the sources and the features' file."""
+    """Write the files of a run that studies read, and return the sources and the file of features."""
     meshes = write_meshes(folder, surfaces)
     files = [folder / f"{name}.parquet" for name in ("fixations", "touches", "features")]
     # Files hold float32, so what is made of them differs a little from what is made in memory.

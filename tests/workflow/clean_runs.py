@@ -27,7 +27,7 @@ def clean_digests(experiment):
 
 @contextmanager
 def names_of_snakefile(config):
-    """Let Snakemake read the Snakefile of this folder, and give the names that it defines."""
+    """Let Snakemake read the Snakefile of this folder, and yield the names that the Snakefile defines."""
     from snakemake.api import SnakemakeApi
     from snakemake.settings.types import ConfigSettings, OutputSettings, Quietness, ResourceSettings
 

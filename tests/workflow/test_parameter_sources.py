@@ -11,7 +11,7 @@ TOO_MANY = "recognition.touches is 9 and attention.fixations is 5"
 
 
 def refusal(folder, settings, **files):
-    """Write files of parameters, check them together with settings, and give the message."""
+    """Write files of parameters, check them together with settings, and return the message of the error."""
     paths, values = [], {}
     for name, content in files.items():
         path = folder / f"{name}.yaml"

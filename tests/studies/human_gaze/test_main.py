@@ -17,7 +17,7 @@ PARAMETERS = "viewpoints: {count: 3}\nrendering: {resolution: 48}\n"
 
 @pytest.fixture
 def run(tmp_path, monkeypatch, capsys):
-    """Run the command in a folder with parameters, and give its status and what it printed."""
+    """Run the command in a folder with parameters, and return its status, standard output and standard error."""
     (tmp_path / "params.yaml").write_text(PARAMETERS)
     monkeypatch.chdir(tmp_path)
 
