@@ -1,12 +1,13 @@
 """Plug-ins of the user: jobs run with them, and an edit of one reruns what uses it, and nothing else."""
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
 import pytest
 from small_experiment import COPIED, SMALL_OBJECTS, copy_experiment
-from workflow.experiments import SMALL, Experiment
+from workflow.experiments import SMALL
 
 pytestmark = [pytest.mark.workflow, pytest.mark.long]
 
@@ -21,12 +22,12 @@ OURS = {
 
 
 @pytest.fixture(scope="module")
-def experiment(tmp_path_factory):
+def experiment(open_folder, tmp_path_factory):
     folder = tmp_path_factory.mktemp("plug_ins") / "experiment"
     copy_experiment(folder, COPIED, SMALL_OBJECTS[:1], OURS)
     for name in ("closest", "grid_means"):
         shutil.copy(EXAMPLES / f"{name}.py", folder / "plug_ins")
-    return Experiment(folder)
+    return open_folder(folder, has_stand_ins=False)
 
 
 def touches_of(experiment):
@@ -55,7 +56,7 @@ def test_a_run_with_plug_ins_is_done_once_and_again_from_the_phase_whose_plug_in
 
 
 def test_a_whole_run_is_planned_with_a_plug_in_of_each_kind(experiment, tmp_path):
-    every = Experiment(tmp_path / "every")
+    every = replace(experiment, folder=tmp_path / "every")
     copy_experiment(every.folder, COPIED, SMALL_OBJECTS, SMALL)
     for path in PLUG_INS:
         shutil.copy(path, every.folder / "plug_ins")

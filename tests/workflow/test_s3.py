@@ -4,12 +4,12 @@ The S3 is moto's server, in this process, on the loopback.
 """
 
 import re
+from dataclasses import replace
 
 import boto3
 import pytest
 from golden import golden_tables, run_tables
 from moto.server import ThreadedMotoServer
-from workflow.experiments import Experiment
 from workflow.stand_ins import digests
 
 pytestmark = [pytest.mark.workflow, pytest.mark.long]
@@ -72,7 +72,7 @@ def test_a_colleague_gets_results_by_dvc_from_s3_and_finds_nothing_left_to_do(
     shared.run("git", "commit", "-qam", "name the remote")
     shared.run("dvc", "push")
     shared.run("git", "clone", "-q", str(shared.folder), str(tmp_path / "clone"))
-    clone = Experiment(tmp_path / "clone")
+    clone = replace(shared, folder=tmp_path / "clone")
     clone.run("dvc", "pull")
     assert digests(clone.folder) == digests(shared.folder)
     assert clone.planned() == {}

@@ -20,11 +20,12 @@ STUDIES = (
 
 
 @pytest.mark.workflow
-def test_every_study_can_be_asked_for_with_the_groups_of_the_profile(fresh):
+def test_every_study_can_be_asked_for_with_the_groups_of_the_profile(fresh, open_folder):
     profile = yaml.safe_load(PROFILE.read_text())
     groups = [f"{rule}={group}" for rule, group in profile["groups"].items()]
     targets = [f"{study}_all" for study in STUDIES]
-    output = fresh.snakemake("-n", "-q", "rules", "--groups", *groups, "--", *targets).stdout
+    planned = open_folder(fresh.folder, has_stand_ins=False)
+    output = planned.snakemake("-n", "-q", "rules", "--groups", *groups, "--", *targets).stdout
     assert "figures_of_study" in output
 
 

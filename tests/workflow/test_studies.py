@@ -43,8 +43,9 @@ def planned(experiment, target="study_mine"):
 
 
 @pytest.fixture(scope="module")
-def studied(finished, tmp_path_factory):
-    experiment = finished.copy(tmp_path_factory.mktemp("studied") / "experiment")
+def studied(finished, open_folder, tmp_path_factory):
+    folder = finished.copy(tmp_path_factory.mktemp("studied") / "experiment").folder
+    experiment = open_folder(folder, has_stand_ins=False)
     experiment.set(workflow={"conditions_per_job": 2}, cost={"frontier_touches": []})
     write(experiment, MINE)
     experiment.snakemake("--", "study_mine")
@@ -102,8 +103,7 @@ def test_what_was_lost_added_or_changed_is_measured_again_and_nothing_else(studi
     assert planned(experiment) == {**FRONTIER, **AFTER, **follows}
 
 
-def test_every_run_has_further_draws_and_touches_them_once(finished, tmp_path):
-    experiment = finished.copy(tmp_path / "experiment")
+def test_every_run_has_further_draws_and_touches_them_once(experiment):
     experiment.set(probing={"random_draws": 3}, cost={"frontier_touches": []})
     measured = {"features_of_study": 1, "block_of_study": 1}
     assert experiment.planned() == {**FRONTIER, **AFTER, **measured}
@@ -142,8 +142,7 @@ def test_dvc_keeps_a_study_once_it_is_asked_to(repository, tmp_path):
     assert "own@mine" in experiment.run("dvc", "status").stdout
 
 
-def test_a_study_of_python_with_a_step_of_its_own_is_one_file(finished, tmp_path):
-    experiment = finished.copy(tmp_path / "experiment")
+def test_a_study_of_python_with_a_step_of_its_own_is_one_file(experiment):
     shutil.copy(ROOT / "examples/studies/first_touches.py", experiment.folder / "studies")
     experiment.snakemake("--", "first_touches_all")
     path = experiment.folder / "studies/first_touches.py"
