@@ -13,7 +13,7 @@ from visuohaptic.parameters import (
     IMPRINT_MULTIPLE,
     ExperimentParameters,
     as_parameters,
-    check_jobs,
+    check_job_size,
     check_run,
     read_parameters,
 )
@@ -165,18 +165,18 @@ def test_fewer_fixations_for_touch_alone_and_resolutions_that_contourlets_take_p
 def test_jobs_that_hold_too_many_sensing_points_are_refused_with_the_numbers_that_fit(
     values, advice
 ):
-    check_jobs(as_parameters(None))
+    check_job_size(as_parameters(None))
     large = {"sensor.resolution": 256, "probing.strategies": ["fixation", "random"], **values}
     with pytest.raises(
         ParameterError, match=f"sensing points per job; .*: lower workflow.{advice}"
     ):
-        check_jobs(as_parameters(large))
+        check_job_size(as_parameters(large))
     fits = [int(number) for number in re.findall("at most ([0-9]+)", advice)][-1]
     name = "views_per_job" if "views" in advice else "objects_per_job"
     changes = {"workflow.objects_per_job": 1, f"workflow.{name}": fits}
-    check_jobs(as_parameters(large | changes))
+    check_job_size(as_parameters(large | changes))
     with pytest.raises(ParameterError):
-        check_jobs(as_parameters(large | changes | {f"workflow.{name}": fits + 1}))
+        check_job_size(as_parameters(large | changes | {f"workflow.{name}": fits + 1}))
 
 
 def test_the_multiple_is_that_of_the_contourlets():

@@ -265,7 +265,7 @@ def check_run(parameters: ExperimentParameters, source: str = "params.yaml") -> 
         raise ParameterError(f"{source}: {'; '.join(faults)}.")
 
 
-def check_jobs(parameters: ExperimentParameters, source: str = "params.yaml") -> None:
+def check_job_size(parameters: ExperimentParameters, source: str = "params.yaml") -> None:
     """Raise `ParameterError` if a job of the run would hold more than `MOST_SENSING_POINTS` sensing points.
 
     A job holds the touches of its objects and viewpoints by all strategies and draws.

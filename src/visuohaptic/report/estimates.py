@@ -152,18 +152,19 @@ def both_intervals(figure: Figure, write: Callable[[float], str]) -> str:
 
     `write` formats each number. Intervals that are written alike stand once. Empty without intervals.
     """
-    found = (
-        ("new objects", figure.low, figure.high),
-        ("new classes", figure.new_classes_low, figure.new_classes_high),
-    )
     ends = {
-        words: f"{write(low)} to {write(high)}"
-        for words, low, high in found
+        "new objects": (figure.low, figure.high),
+        "new classes": (figure.new_classes_low, figure.new_classes_high),
+    }
+    intervals = {
+        population: f"{write(low)} to {write(high)}"
+        for population, (low, high) in ends.items()
         if low is not None and high is not None
     }
-    if len(ends) == 2 and len({*ends.values()}) == 1:
-        return f"(new objects and new classes {ends['new objects']})"
-    return f"({', '.join(f'{words} {both}' for words, both in ends.items())})" if ends else ""
+    if len(intervals) == 2 and len({*intervals.values()}) == 1:
+        return f"(new objects and new classes {intervals['new objects']})"
+    written = ", ".join(f"{population} {interval}" for population, interval in intervals.items())
+    return f"({written})" if written else ""
 
 
 def share_above_interval(figure: Figure) -> Markup:

@@ -61,7 +61,7 @@ def find_studies(run: ExperimentParameters, folders: Iterable[str | Path]) -> di
         If a name is not allowed, or a file can't be read. The message names the file.
     """
     studies = {study.name: study for study in STUDIES}
-    for name, path in _files(map(Path, folders)).items():
+    for name, path in _study_files(map(Path, folders)).items():
         if not _NAME.fullmatch(name) or name in PACKAGED:
             raise ParameterError(
                 f"{path}: {name!r} is no name of a study; up to 41 lower-case letters, digits and underscores, "
@@ -136,11 +136,11 @@ def _has_module(work: str) -> bool:
         return False
 
 
-def _files(folders: Iterable[Path]) -> dict[str, Path]:
+def _study_files(folders: Iterable[Path]) -> dict[str, Path]:
     """Find the files of studies by name; earlier folders take precedence."""
     by_name: dict[str, Path] = {}
     for folder in folders:
-        in_folder = _files_in(folder)
+        in_folder = _study_files_in(folder)
         for name in by_name.keys() & in_folder.keys():
             earlier, later = by_name[name], in_folder[name]
             if later.name == "study.py" and not later.samefile(earlier):
@@ -152,7 +152,7 @@ def _files(folders: Iterable[Path]) -> dict[str, Path]:
     return {name: by_name[name] for name in sorted(by_name) if name != "dvc"}
 
 
-def _files_in(folder: Path) -> dict[str, Path]:
+def _study_files_in(folder: Path) -> dict[str, Path]:
     """Find the files of studies in a folder by name."""
     by_name: dict[str, Path] = {}
     for path in sorted(path for kind in _KINDS for path in folder.glob(kind)):

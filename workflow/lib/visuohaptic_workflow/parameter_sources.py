@@ -10,7 +10,7 @@ from snakemake.utils import update_config
 
 from visuohaptic.base.errors import ParameterError
 from visuohaptic.io.yaml_files import read_yaml
-from visuohaptic.parameters import ExperimentParameters, check_jobs, check_run
+from visuohaptic.parameters import ExperimentParameters, check_job_size, check_run
 
 
 def check_parameters(
@@ -74,5 +74,5 @@ def _error_of(values: Mapping[str, Any]) -> str | None:
 def _check(values: Mapping[str, Any], source: str) -> ExperimentParameters:
     parameters = ExperimentParameters.from_mapping(values, source)
     check_run(parameters, source)
-    check_jobs(parameters, source)
+    check_job_size(parameters, source)
     return parameters
