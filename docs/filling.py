@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 import re
-import sys
 from collections.abc import Callable, Iterable, Mapping
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from visuohaptic.studies.keeping import read_figures
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,51 +22,39 @@ Sets = Mapping[str, Figures]
 
 
 def fill_from_figures(
-    kept: Path,
+    sets: Sets,
     page: Path,
     blocks: Callable[[Sets], Mapping[str, str]],
     picture: Path,
     draw: Callable[[Sets], Figure],
-    of_run: Callable[[], Figures] | None = None,
 ) -> None:
-    """Fill a page and draw its picture from the kept figures of a study.
-
-    With a set and a command behind the script's name, it first keeps the figures of the run that is there.
-    """
-    if of_run and len(sys.argv) > 2:
-        keep_figures(kept, of_run())
-    sets = kept_figures(kept)
+    """Fill a page and draw its picture from the figures of each set."""
     fill_page(page, blocks(sets))
     draw(sets).savefig(picture, dpi=100)
 
 
 def kept_figures(kept: Path) -> dict[str, Figures]:
-    """Read the kept figures of a study, by set, from files ``<kept>_<set>.json``."""
-    return {name: read_json(_of_set(kept, name)) for name in SETS}
+    """Read the figures of a page, by set, from files ``<kept>_<set>.json``."""
+    return {name: read_json(kept.with_name(f"{kept.name}_{name}.json")) for name in SETS}
 
 
-def keep_figures(kept: Path, figures: Figures) -> None:
-    """Keep the figures of a run, with today's date, as the words behind the script's name say: a set, and the command."""
-    name, *command = sys.argv[1:]
-    date = datetime.now(UTC).strftime("%Y-%m-%d")
-    found = {"command": " ".join(command), "date": date, **figures}
-    text = json.dumps(found, indent=1, ensure_ascii=False)
-    _of_set(kept, name).write_text(f"{text}\n", encoding="utf-8")
+def figures_of_study(folder: Path, sets: Iterable[str] = SETS) -> dict[str, Any]:
+    """Read the kept figures of a study by set."""
+    return {name: read_figures(folder, name)[0] for name in sets}
 
 
-def _of_set(kept: Path, name: str) -> Path:
-    return kept.with_name(f"{kept.name}_{name}.json")
+def measured(folder: Path, sets: Mapping[str, str] = SETS) -> str:
+    """List the day and the commit of kept figures by set; `sets` has the words for each set."""
+    sources = {name: read_figures(folder, name)[1] for name in sets}
+    return "\n".join(
+        f"- {words}: measured on {sources[name].date}, commit {sources[name].commit[:12]}"
+        for name, words in sets.items()
+    )
 
 
 def read_json(path: Path) -> Any:
     """Read a JSON file."""
     return json.loads(path.read_text(encoding="utf-8"))
-
-
-def commands(sets: Mapping[str, Figures]) -> str:
-    """List the commands that gave kept figures, with their dates."""
-    lines = (f"- {SETS[name]}, {one['date']}: `{one['command']}`" for name, one in sets.items())
-    return "\n".join(lines)
 
 
 def table(heads: Iterable[str], rows: Iterable[Iterable[object]]) -> str:

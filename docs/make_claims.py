@@ -17,6 +17,7 @@ from filling import (
     accuracy,
     difference,
     fill_from_figures,
+    kept_figures,
     points,
     share,
     table,
@@ -158,4 +159,4 @@ def blocks(found: Mapping[str, Figures]) -> dict[str, str]:
 
 
 if __name__ == "__main__":
-    fill_from_figures(KEPT, PAGE, blocks, PICTURE, draw)
+    fill_from_figures(kept_figures(KEPT), PAGE, blocks, PICTURE, draw)

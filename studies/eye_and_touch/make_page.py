@@ -1,9 +1,4 @@
-"""Fill the tables of README.md and draw its picture from the kept figures of this study.
-
-kept_paper.json and kept_benchmark.json are reports/eye_and_touch.json of the paper's twelve objects and of the 142 objects
-of the catalogue, with command and date. `python -m eye_and_touch.make_page paper COMMAND` keeps the figures of the run in
-this folder.
-"""
+"""Fill the tables of README.md and draw its picture from the kept figures of this study."""
 
 from __future__ import annotations
 
@@ -13,14 +8,13 @@ from typing import Any
 
 from filling import (
     COLOURS,
-    DOCS,
     SETS,
     Figures,
     accuracy,
-    commands,
     difference,
+    figures_of_study,
     fill_from_figures,
-    read_json,
+    measured,
     table,
 )
 from make_claims import STRATEGIES
@@ -42,7 +36,6 @@ from eye_and_touch.summary import FUSED
 HERE = Path(__file__).parent
 PAGE = HERE / "README.md"
 PICTURE = HERE / "eye_and_touch.png"
-KEPT = HERE / "kept"
 ANSWERS = {
     LOOK: "look, view",
     "outline": "look, outline",
@@ -193,11 +186,6 @@ def _draw_sights(axes: Axes, figures: Figures) -> None:
     axes.set_xlabel(f"sight; {figures['touches']} touches where the eye fixates")
 
 
-def figures_of_run() -> Figures:
-    """Read the figures of the run in this folder."""
-    return read_json(DOCS.parent / "reports" / "eye_and_touch.json")
-
-
 def blocks(sets: Mapping[str, Figures]) -> dict[str, str]:
     """Return the tables of the page by name of the block."""
     return {
@@ -205,9 +193,9 @@ def blocks(sets: Mapping[str, Figures]) -> dict[str, str]:
         "gains": gain_table(sets),
         "budgets": budget_table(sets),
         "worth": worth_table(sets),
-        "commands": commands(sets),
+        "measured": measured(HERE),
     }
 
 
 if __name__ == "__main__":
-    fill_from_figures(KEPT, PAGE, blocks, PICTURE, draw, figures_of_run)
+    fill_from_figures(figures_of_study(HERE), PAGE, blocks, PICTURE, draw)

@@ -42,5 +42,6 @@ STUDY = Study(
         ),
     ),
     has_figures=False,
+    kept="reports/eye_and_touch.json",
 )
 """Accuracy by eye, by touch and by both, in good and in poor sight."""

@@ -1,21 +1,14 @@
-"""Fill the tables of README.md from kept_ycb.json and kept_paper.json, which hold reports/known_objects.json.
-
-`python -m known_objects.make_page ycb COMMAND` first keeps the figures of the run in the working folder, with the command
-that made the figures and the date.
-"""
+"""Fill the tables of README.md from the kept figures of this study."""
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from filling import Figures, difference, fill_page, keep_figures, read_json, share, table
+from filling import Figures, difference, figures_of_study, fill_page, measured, share, table
 
 HERE = Path(__file__).parent
 PAGE = HERE / "README.md"
-KEPT = HERE / "kept"
-MEASURED = Path("reports/known_objects.json")
 SETS = {"ycb": "YCB", "paper": "the paper set's"}
 SHOWN = (1, 2, 5, 10, 20)
 """Numbers of touches of the table."""
@@ -25,10 +18,8 @@ NAMES = {"fixation": "eye fixations", "random": "random places, in reach"}
 
 def blocks() -> dict[str, str]:
     """Return the tables of the page, by the names of their blocks."""
-    sets = {name: read_json(HERE / f"kept_{name}.json") for name in SETS}
-    strategies = [
-        (SETS[name], one) for name, figures in sets.items() for one in figures["strategies"]
-    ]
+    sets = figures_of_study(HERE, SETS)
+    strategies = [(SETS[name], one) for name, figures in sets.items() for one in figures]
     heads = ["objects", "touches by", *(f"{one} touch{'' if one == 1 else 'es'}" for one in SHOWN)]
     return {
         "accuracy": table(heads, [_accuracies(*one) for one in strategies]),
@@ -41,12 +32,10 @@ def blocks() -> dict[str, str]:
             [_certain(*one) for one in strategies],
         ),
         "objects": table(
-            ["object", *(NAMES[one["strategy"]] for one in sets["ycb"]["strategies"])],
-            _objects(sets["ycb"]["strategies"]),
+            ["object", *(NAMES[one["strategy"]] for one in sets["ycb"])],
+            _objects(sets["ycb"]),
         ),
-        "commands": "\n".join(
-            f"- {SETS[name]} objects, {one['date']}: `{one['command']}`" for name, one in sets.items()
-        ),
+        "measured": measured(HERE, {name: f"{words} objects" for name, words in SETS.items()}),
     }  # fmt: skip
 
 
@@ -94,6 +83,4 @@ def _interval(row: Figures, name: str, prefix: str | None = None) -> str:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 2:
-        keep_figures(KEPT, {"strategies": read_json(MEASURED)})
     fill_page(PAGE, blocks())

@@ -58,4 +58,5 @@ STUDY = Study(
         ),
     ),
     has_figures=False,
+    kept="reports/known_objects.json",
 )

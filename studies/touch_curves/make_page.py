@@ -1,9 +1,4 @@
-"""Fill the tables of README.md and draw curves.png from the kept figures of this study.
-
-kept_paper.json and kept_benchmark.json contain figures of reports/studies/touch_curves.json and reports/touch_curves.json
-of the paper's twelve objects and of the 142 objects of the catalogue, with command and date.
-`python -m touch_curves.make_page paper COMMAND` keeps the figures of the run in this folder.
-"""
+"""Fill the tables of README.md and draw curves.png from the kept figures of this study."""
 
 from __future__ import annotations
 
@@ -11,57 +6,27 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from filling import (
-    DOCS,
     SETS,
     Figures,
-    commands,
     difference,
+    figures_of_study,
     fill_from_figures,
-    read_json,
+    measured,
     share,
     table,
 )
 from make_claims import of_classifier, pipelines_of
 from matplotlib.figure import Figure
 
-REPORTS = DOCS.parent / "reports"
 HERE = Path(__file__).parent
 PAGE = HERE / "README.md"
 PICTURE = HERE / "curves.png"
-KEPT = HERE / "kept"
 SHOWN = (1, 2, 3, 5, 8, 16)
 """Numbers of touches in the table."""
-OF_A_POINT = ("accuracy", "low", "high")
 COLOURS = (
     *("#0b57a4", "#a34a00", "#5c2a86", "#3d5c1e", "#b0182b"),
     *("#00737a", "#8a6d00", "#555555", "#c2185b", "#7cb342"),
 )
-
-
-def figures_of_run() -> Figures:
-    """Read ``curves`` and ``needed`` of the run in this folder, by pipeline and strategy."""
-    measured = read_json(REPORTS / "studies" / "touch_curves.json")
-    needed = read_json(REPORTS / "touch_curves.json")
-    curves = {
-        pipeline: {
-            strategy: [
-                [cell[value] for value in OF_A_POINT]
-                for cell in of_classifier(by_classifier).values()
-            ]
-            for strategy, by_classifier in measured[pipeline].items()
-        }
-        for pipeline in pipelines_of(measured)
-    }
-    return {
-        "curves": curves,
-        "needed": {
-            pipeline: {
-                strategy: of_classifier(by_classifier)
-                for strategy, by_classifier in needed[pipeline].items()
-            }
-            for pipeline in pipelines_of(needed)
-        },
-    }
 
 
 def title(pipeline: str) -> str:
@@ -74,8 +39,9 @@ def curve_table(figures: Figures) -> str:
     rows = []
     for pipeline in pipelines_of(figures["needed"]):
         needed = figures["needed"][pipeline]
-        for strategy in sorted(needed, key=lambda name: -needed[name]["area"]):
-            curve, row = figures["curves"][pipeline][strategy], needed[strategy]
+        for strategy in sorted(needed, key=lambda name: -of_classifier(needed[name])["area"]):
+            row = of_classifier(needed[strategy])
+            curve = of_classifier(figures["curves"][pipeline][strategy])["points"]
             reached = (share(curve[touches - 1][0]) for touches in SHOWN)
             touches = "never" if row["touches"] is None else row["touches"]
             gain = difference(row, "gain", "gain_low", "gain_high", "p_value")
@@ -94,7 +60,7 @@ def draw(sets: Mapping[str, Figures]) -> Figure:
             panel.set_title(f"{SETS[name]}, {title(pipeline)}")
             panel.grid(alpha=0.3)
             for strategy, colour in zip(strategies, COLOURS, strict=True):
-                points = figures["curves"][pipeline][strategy]
+                points = of_classifier(figures["curves"][pipeline][strategy])["points"]
                 line, low, high = (
                     [100 * value for value in values] for values in zip(*points, strict=True)
                 )
@@ -116,8 +82,8 @@ def draw(sets: Mapping[str, Figures]) -> Figure:
 def blocks(sets: Mapping[str, Figures]) -> dict[str, str]:
     """Return the tables of the page by name of the block."""
     tables = {name: curve_table(figures) for name, figures in sets.items()}
-    return {**tables, "commands": commands(sets)}
+    return {**tables, "measured": measured(HERE)}
 
 
 if __name__ == "__main__":
-    fill_from_figures(KEPT, PAGE, blocks, PICTURE, draw, figures_of_run)
+    fill_from_figures(figures_of_study(HERE), PAGE, blocks, PICTURE, draw)

@@ -71,5 +71,6 @@ STUDY = Study(
             ("results/touches_needed.parquet", "reports/touch_curves.json"),
         ),
     ),
+    kept="reports/touch_curves.json",
 )
 """Accuracy against the number of touches by every strategy, including `adaptive`."""

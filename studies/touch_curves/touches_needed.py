@@ -82,12 +82,23 @@ def touches_needed(cells: Mapping[CellKey, Cell], intervals: IntervalParameters)
 
 
 def make_touches_needed(step: StepInputs) -> None:
-    """Write `TOUCHES_NEEDED` of the study's blocks, and the same numbers as JSON."""
-    needed, metrics = step.outputs
-    cells = read_cells(step.inputs["blocks"])
-    table = touches_needed(cells, step.run.recognition.intervals)
+    """Write `TOUCHES_NEEDED` of the study's blocks, and as JSON the same numbers (``needed``) and the curves (``curves``)."""
+    needed, figures = step.outputs
+    cells, intervals = read_cells(step.inputs["blocks"]), step.run.recognition.intervals
+    table = touches_needed(cells, intervals)
     write_table(TOUCHES_NEEDED, table, needed)
-    write_json(nested(table.to_pylist(), _KEYS), metrics)
+    curves = [
+        {**dict(zip(_KEYS, key, strict=True)), "points": _points(curve, intervals)}
+        for key, curve in sorted(_curves(cells).items())
+    ]
+    by_name = {"curves": nested(curves, _KEYS), "needed": nested(table.to_pylist(), _KEYS)}
+    write_json(by_name, figures)
+
+
+def _points(curve: Sequence[Cell], intervals: IntervalParameters) -> list[list[float | None]]:
+    """Return accuracy, low and high end by number of touches."""
+    found = (condition_interval(cell, intervals) for cell in curve)
+    return [[one.mean, one.low, one.high] for one in found]
 
 
 def _curves(cells: Mapping[CellKey, Cell]) -> dict[tuple[str, ...], list[Cell]]:

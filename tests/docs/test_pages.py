@@ -222,13 +222,17 @@ def test_a_block_that_a_page_lacks_ends_the_script_that_fills_it(run_script):
 
 
 @pytest.mark.parametrize(
-    "script",
-    ["docs/make_claims", "studies/eye_and_touch/make_page", "studies/touch_curves/make_page"],
+    ("script", "reader", "place"),
+    [
+        ("docs/make_claims", "kept_figures", "docs/figures/claims"),
+        ("studies/eye_and_touch/make_page", "figures_of_study", "studies/eye_and_touch"),
+        ("studies/touch_curves/make_page", "figures_of_study", "studies/touch_curves"),
+    ],
 )
-def test_a_page_shows_the_figures_that_are_kept(script, run_script):
+def test_a_page_shows_the_figures_that_are_kept(script, reader, place, run_script):
     made = run_script(script)
     text = made["PAGE"].read_text()
-    sets = run_script("docs/filling")["kept_figures"](made["KEPT"])
+    sets = run_script("docs/filling")[reader](ROOT / place)
     for block, content in made["blocks"](sets).items():
         assert f"<!-- {block} -->\n{content}\n<!-- /{block} -->" in text, f"run {script}"
 

@@ -16,6 +16,7 @@ from visuohaptic.studies.keeping import (
     keep_study,
     kept_file,
     kept_files,
+    read_figures,
     read_source,
     write_measured,
 )
@@ -37,6 +38,15 @@ def test_a_kept_table_has_the_rows_of_the_measured_table_and_a_source(tmp_path, 
     assert pq.read_table(path).equals(TABLE)
     assert pq.read_schema(path).metadata[b"table"] == b"accuracies"
     assert read_source(path) == Source("paper", find_commit(), TODAY)
+
+
+def test_figures_are_kept_with_a_source_and_are_no_table(tmp_path):
+    (tmp_path / "measured.json").write_text('[{"accuracy": 0.5, "object": "Hôi An"}]')
+    keep(tmp_path / "measured.json", "odd", tmp_path)
+    figures, source = read_figures(tmp_path, "odd")
+    assert figures == [{"accuracy": 0.5, "object": "Hôi An"}]
+    assert source == Source("odd", find_commit(), TODAY)
+    assert kept_files(tmp_path) == {}
 
 
 def test_a_table_of_another_set_is_refused(tmp_path, measured):

@@ -1,26 +1,28 @@
 """Keep the measured result of a study beside the study: `python -m visuohaptic.studies.keeping STUDY SET [FILE]`.
 
-The kept file is ``kept_<set>.parquet`` in the folder of the study. `FILE` is the measured table; by default the command
-keeps `Study.kept`.
+The kept file is ``kept_<set>.parquet``, or ``kept_<set>.json`` for figures, in the folder of the study. `FILE` is the
+measured result; by default the command keeps `Study.kept`.
 """
 
 from __future__ import annotations
 
+import json
 import sys
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from visuohaptic.base.atomic_files import atomic_file
+from visuohaptic.base.atomic_files import atomic_file, atomic_write_text
 from visuohaptic.base.errors import ReportError
 from visuohaptic.io.checkout import find_commit
 from visuohaptic.studies.registry import REPOSITORY, load_study
 from visuohaptic.tables.schema import open_parquet
 
-_KEPT = "kept_{}.parquet"
+_KEPT = "kept_{}"
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,7 @@ def write_measured(table: pa.Table, name: str, path: str | Path) -> None:
 
 
 def keep(measured: str | Path, name: str, folder: str | Path) -> None:
-    """Copy a measured table to the kept table of a set in a folder, with the present commit and date.
+    """Copy a measured table, or figures in a JSON file, to the kept file of a set, with the present commit and date.
 
     Raises
     ------
@@ -47,24 +49,35 @@ def keep(measured: str | Path, name: str, folder: str | Path) -> None:
     TableError
         If the file is missing or no Parquet file.
     """
+    source = Source(name, find_commit(), datetime.now(UTC).strftime("%Y-%m-%d"))
+    suffix = Path(measured).suffix
+    if suffix == ".json":
+        figures = json.loads(Path(measured).read_text(encoding="utf-8"))
+        text = json.dumps({**asdict(source), "figures": figures}, indent=1, ensure_ascii=False)
+        atomic_write_text(kept_file(folder, name, suffix), f"{text}\n")
+        return
     table = open_parquet(measured).read()
     found = _metadata(table.schema).get("set", name)
     if found != name:
         raise ReportError(f"{measured} has set {found}; set {name} is needed.")
-    source = Source(name, find_commit(), datetime.now(UTC).strftime("%Y-%m-%d"))
     _write(table, asdict(source), kept_file(folder, name))
 
 
-def kept_file(folder: str | Path, name: str) -> Path:
-    """Return the path of the kept table of a set."""
-    return Path(folder, _KEPT.format(name))
+def kept_file(folder: str | Path, name: str, suffix: str = ".parquet") -> Path:
+    """Return the path of the kept table of a set, or of kept figures with suffix ``.json``."""
+    return Path(folder, _KEPT.format(name) + suffix)
 
 
 def kept_files(folder: str | Path) -> dict[str, Path]:
     """Find the kept tables in a folder, by set in the order of their names."""
-    start, end = _KEPT.split("{}")
-    paths = sorted(Path(folder).glob(_KEPT.format("*")))
-    return {path.name.removeprefix(start).removesuffix(end): path for path in paths}
+    paths = sorted(Path(folder).glob(_KEPT.format("*.parquet")))
+    return {path.stem.removeprefix(_KEPT.format("")): path for path in paths}
+
+
+def read_figures(folder: str | Path, name: str) -> tuple[Any, Source]:
+    """Read the kept figures of a set, and their source."""
+    kept = json.loads(kept_file(folder, name, ".json").read_text(encoding="utf-8"))
+    return kept.pop("figures"), Source(**kept)
 
 
 def read_source(path: str | Path) -> Source:

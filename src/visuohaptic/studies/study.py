@@ -192,7 +192,7 @@ class Study:
         Whether the study is part of the package or a Python file. Rule ``study_<name>`` makes any study and the
         report; a coded study also has rule ``<name>_all``.
     kept : str
-        The Parquet file of a step that `keeping` copies into the study's folder; empty if no result is kept.
+        The Parquet or JSON file of a step that `keeping` copies into the study's folder; empty if no result is kept.
     """
 
     name: str

@@ -1,14 +1,24 @@
 """Areas, touches needed and what fixations gain, over objects."""
 
+import json
+
 import numpy as np
 import pytest
 
+from touch_curves import touches_needed as module
 from touch_curves.study import LONGEST_SEQUENCE, touches_name
-from touch_curves.touches_needed import curve_areas, stays_at, touches_needed
+from touch_curves.touches_needed import (
+    curve_areas,
+    make_touches_needed,
+    stays_at,
+    touches_needed,
+)
 from visuohaptic.base.errors import RecognitionError
 from visuohaptic.evaluation.intervals import compare_differences
+from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.studies.figures import Cell
+from visuohaptic.studies.figures import Cell, condition_interval
+from visuohaptic.studies.study import StepInputs
 
 INTERVALS = IntervalParameters()
 RISE = np.linspace(0.4, 0.94, LONGEST_SEQUENCE)
@@ -86,3 +96,18 @@ def test_a_curve_that_failed_somewhere_is_left_out():
     assert set(rows_of(cells({"fixation": curve(RISE), "random": broken}))) == {"fixation"}
     with pytest.raises(RecognitionError, match="No curve"):
         touches_needed(cells({"random": broken}), INTERVALS)
+
+
+def test_the_json_has_each_curve_with_its_interval_and_the_touches_needed(tmp_path, monkeypatch):
+    monkeypatch.setattr(module, "read_cells", lambda _: CELLS)
+    outputs = [str(tmp_path / "needed.parquet"), str(tmp_path / "curves.json")]
+    make_touches_needed(StepInputs("touch_curves", {"blocks": []}, outputs, ExperimentParameters()))
+    figures = json.loads((tmp_path / "curves.json").read_text())
+    of_random = figures["curves"]["order_free"]["random"]["linear_discriminant"]["points"]
+    first = condition_interval(
+        CELLS[touches_name(1), "order_free", "random", "linear_discriminant"], INTERVALS
+    )
+    assert len(of_random) == LONGEST_SEQUENCE
+    assert of_random[0] == pytest.approx([first.mean, first.low, first.high])
+    needed = figures["needed"]["order_free"]["fixation"]["linear_discriminant"]
+    assert needed["touches"] == 15
