@@ -104,7 +104,7 @@ class Section:
 
     @property
     def template_path(self) -> str:
-        """The template's name for `page.make_environment`; names of studies have the section's name as a folder."""
+        """The template's name for `environment.make_environment`; names of studies have the section's name as a folder."""
         if self.folder is None:
             return self.template or f"{self.name}.html.jinja"
         return f"{self.name}/{self.template or 'section.html.jinja'}"
