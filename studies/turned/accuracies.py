@@ -10,7 +10,6 @@ import pyarrow as pa
 from classifier_settings.half import choosing_objects
 from turned.study import LITERAL
 from turned.tables import TURNED
-from visuohaptic.base.errors import ReportError
 from visuohaptic.studies.figures import Cell, CellKey, read_cells
 from visuohaptic.studies.keeping import write_measured
 from visuohaptic.studies.study import StepInputs
@@ -22,21 +21,23 @@ _Draw = Mapping[tuple[str, str], tuple[float, float]]
 
 
 def make_turned(step: StepInputs) -> None:
-    """Write `TURNED` from the study's blocks."""
-    table = means_over_draws(read_cells(step.inputs["blocks"]), choosing_objects())
-    write_measured(table, step.run.meshes.set, step.outputs[0])
+    """Write `TURNED` from the study's blocks, without the conditions that could not be measured."""
+    cells = read_cells(step.inputs["blocks"])
+    failed = [f"{key.condition}: {cell.error}" for key, cell in cells.items() if cell.error]
+    table = means_over_draws(cells, choosing_objects())
+    write_measured(table, step.run.meshes.set, step.outputs[0], next(iter(failed), ""))
 
 
 def means_over_draws(cells: Mapping[CellKey, Cell], choosing: frozenset[str]) -> pa.Table:
     """Arrange the cells of study `turned` as `TURNED`.
 
     An object's accuracy is the mean over the draws that tested the object. The objects in `choosing`, ``class/name``,
-    are not held out. Raises `ReportError` if a condition failed.
+    are not held out. Conditions that could not be measured are left out.
     """
     drawn: dict[tuple[object, ...], list[_Draw]] = {}
     for (condition, pipeline, strategy, classifier), cell in cells.items():
         if cell.error:
-            raise ReportError(f"Turned objects could not be measured, {condition}: {cell.error}")
+            continue
         values = zip(cell.accuracy.tolist(), cell.weights.tolist(), strict=True)
         turns, _, known, touches = condition.split()
         variant = (LITERAL, "full") if known == LITERAL else (pipeline, known)

@@ -34,9 +34,12 @@ class Source:
     date: str
 
 
-def write_measured(table: pa.Table, name: str, path: str | Path) -> None:
-    """Write a measured table with the name of its set of objects in its metadata, whole or not at all."""
-    _write(table, {"set": name}, path)
+def write_measured(table: pa.Table, name: str, path: str | Path, failed: str = "") -> None:
+    """Write a measured table with the name of its set of objects in its metadata, whole or not at all.
+
+    `failed` names a condition that the table lacks, and the reason; such a table is not kept.
+    """
+    _write(table, {"set": name} | ({"failed": failed} if failed else {}), path)
 
 
 def keep(measured: str | Path, name: str, folder: str | Path) -> None:
@@ -45,7 +48,7 @@ def keep(measured: str | Path, name: str, folder: str | Path) -> None:
     Raises
     ------
     ReportError
-        If the table was measured on another set.
+        If the table was measured on another set, or lacks a condition that could not be measured.
     TableError
         If the file is missing or no Parquet file.
     """
@@ -57,9 +60,14 @@ def keep(measured: str | Path, name: str, folder: str | Path) -> None:
         atomic_write_text(kept_file(folder, name, suffix), f"{text}\n")
         return
     table = open_parquet(measured).read()
-    found = _metadata(table.schema).get("set", name)
+    metadata = _metadata(table.schema)
+    found = metadata.get("set", name)
     if found != name:
         raise ReportError(f"{measured} has set {found}; set {name} is needed.")
+    if "failed" in metadata:
+        raise ReportError(
+            f"{measured} lacks a condition that could not be measured, {metadata['failed']}"
+        )
     _write(table, asdict(source), kept_file(folder, name))
 
 

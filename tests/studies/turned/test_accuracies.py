@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 from studies.surfaces import RUN
 
+from turned import accuracies
 from turned.accuracies import make_turned, means_over_draws
 from turned.kept import read_turned
 from turned.study import DRAWS, POSES, STUDY, name_of
 from visuohaptic.base.errors import ReportError
 from visuohaptic.studies.conditions import plan_study, with_changes
-from visuohaptic.studies.figures import Cell
+from visuohaptic.studies.figures import Cell, CellKey
 from visuohaptic.studies.keeping import keep
 from visuohaptic.studies.study import StepInputs
 
@@ -92,10 +93,15 @@ def test_an_object_has_the_mean_over_the_draws_that_tested_it():
     }
 
 
-def test_a_condition_that_failed_is_refused():
-    failed = {("any 0 none 20", *SVM): cell(objects=(), error="too small.")}
+def test_a_condition_that_failed_is_left_out_and_the_table_is_not_kept(tmp_path, monkeypatch):
+    failed = {CellKey("any 0 none 20", *SVM): cell(objects=(), error="too small.")}
+    cells = {CellKey(*key): one for key, one in CELLS.items()} | failed
+    assert rows_of(cells) == rows_of(CELLS)
+    monkeypatch.setattr(accuracies, "read_cells", lambda _: cells)
+    measured = tmp_path / "turned.parquet"
+    make_turned(StepInputs("turned", {"blocks": ()}, (str(measured),), RUN))
     with pytest.raises(ReportError, match="could not be measured, any 0 none 20: too small"):
-        rows_of({**CELLS, **failed})
+        keep(measured, RUN.meshes.set, tmp_path)
 
 
 def test_objects_that_took_part_in_choosing_are_not_held_out(tmp_path, monkeypatch):
