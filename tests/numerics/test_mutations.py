@@ -57,7 +57,7 @@ MUTATIONS = (
              "floor * np.eye", "0.0 * np.eye", ("classifiers",)),
     Mutation("skewness of rounding noise", "visuohaptic.recognition.sequence_features:summarise_signals",
              "np.sqrt(second) <= CONSTANT_TOLERANCE * root_mean_square", "second <= 0", ("sequence_moments",)),
-    Mutation("only some failures of a reader are caught", "meshreaders.reading:_finished",
+    Mutation("only some failures of a reader are caught", "meshreaders.reading:_read_content",
              "except Exception as", "except ValueError as", ("broken_files",)),
 )  # fmt: skip
 
