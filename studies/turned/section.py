@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 
 from turned.kept import read_turned
 from turned.leads import question_sentence, read_kept_leads
@@ -21,10 +22,13 @@ from visuohaptic.report.section import (
 )
 from visuohaptic.report.wording import POSES, counted, titled
 
+# Three sections show the leads, and their intervals take a second.
+_read_kept_leads = cache(read_kept_leads)
+
 
 def leads_values(context: ReportContext) -> Values | None:
     """Return the kept leads of more objects, and the kept accuracies of turned objects; None without kept leads."""
-    leads = read_kept_leads(context.run.parameters.recognition.intervals)
+    leads = _read_kept_leads(context.run.parameters.recognition.intervals)
     if leads is None:
         return None
     return {
@@ -59,7 +63,7 @@ def _answer(question: Question) -> Section:
     """Return the section that answers a question by kept leads."""
 
     def sentences(context: ReportContext) -> Iterator[str]:
-        leads = read_kept_leads(context.run.parameters.recognition.intervals)
+        leads = _read_kept_leads(context.run.parameters.recognition.intervals)
         if leads is not None:
             yield question_sentence(question, leads)
 
