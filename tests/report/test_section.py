@@ -26,6 +26,7 @@ from eye_and_touch.tables import EYE_AND_TOUCH
 from visuohaptic.evaluation.summary import select
 from visuohaptic.report.chapters import chapters_of
 from visuohaptic.report.page import render_page
+from visuohaptic.report.questions import QUESTIONS
 from visuohaptic.report.recounting import recount_cost
 from visuohaptic.report.run import find_run, read_run
 from visuohaptic.report.section import OTHER_OBJECTS, ReportContext
@@ -116,6 +117,7 @@ def test_every_section_names_files_that_exist_and_rows_of_their_schema(folder, r
     chapters = chapters_of(run)
     kept = chapters.pop(OTHER_OBJECTS)
     assert not {section.name for section in kept} & set(sources)
+    assert [section.title for section in kept[:2]] == list(QUESTIONS.values())
     sections = {section.name for chapter in chapters.values() for section in chapter}
     assert sections - WITHOUT_TABLES == set(sources)
     for section, named in sources.items():

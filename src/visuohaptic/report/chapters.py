@@ -14,6 +14,7 @@ from jinja2 import Environment
 from visuohaptic.base.errors import ReportError
 from visuohaptic.report import sections
 from visuohaptic.report.glossary import WORDS
+from visuohaptic.report.questions import QUESTIONS
 from visuohaptic.report.run import Run
 from visuohaptic.report.section import (
     OTHER_OBJECTS,
@@ -132,8 +133,8 @@ CHAPTERS = {
 def chapters_of(run: Run) -> dict[str, tuple[Section, ...]]:
     """Return the sections of a run's page by chapter; a chapter begins with the sections that studies bring to it.
 
-    Without a section of a study, chapter `OTHER_OBJECTS` is left out. Raises `ReportError` if a study names an unknown
-    chapter.
+    Sections that answer one of `QUESTIONS` come first, then the others by the names of their studies. Without a section
+    of a study, chapter `OTHER_OBJECTS` is left out. Raises `ReportError` if a study names an unknown chapter.
     """
     brought: dict[str, list[Section]] = {name: [] for name in CHAPTERS}
     for section in study_sections(run.files.study_folders):
@@ -143,6 +144,8 @@ def chapters_of(run: Run) -> dict[str, tuple[Section, ...]]:
                 f"{', '.join(CHAPTERS)} is needed."
             )
         brought[section.chapter].append(section)
+    for of_studies in brought.values():
+        of_studies.sort(key=lambda section: section.title not in QUESTIONS.values())
     return {
         name: (*brought[name], *sections_of_report)
         for name, sections_of_report in CHAPTERS.items()
