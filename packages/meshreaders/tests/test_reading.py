@@ -8,6 +8,7 @@ from PIL import Image
 
 import meshreaders
 from meshreaders.base.errors import MeshError
+from meshreaders.command import describe
 from meshreaders.parts import GREY
 
 
@@ -29,6 +30,7 @@ def test_vertices_of_faces_that_are_no_places_are_counted_in_a_note(tmp_path):
     assert meshreaders.read(tmp_path / "a.obj").notes == (
         f"{tmp_path / 'a.obj'} has 2 NaN or infinite vertices.",
     )
+    assert [*describe(tmp_path / "a.obj")][-1].endswith("has 2 NaN or infinite vertices.")
     assert meshreaders.read((np.array(points), np.array([[0, 1, 2]]))).notes == ()
 
 

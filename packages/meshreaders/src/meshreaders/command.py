@@ -15,7 +15,7 @@ from meshreaders.base.errors import MeshError
 from meshreaders.base.mesh import Mesh
 from meshreaders.base.texture import NO_IMAGE
 from meshreaders.parts import join_parts
-from meshreaders.reading import read_parts
+from meshreaders.reading import notes_on_vertices, read_parts
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -58,16 +58,18 @@ def describe(path: str | Path, largest_megabytes: float = 512.0) -> Iterator[str
         mesh = join_parts(given.parts)
     except MeshError as error:
         raise MeshError(f"{path} can't be read as {kind}: {error}.") from error
-    extents = np.ptp(mesh.triangles.reshape(-1, 3), axis=0)
+    # Infinite vertices have no area; a note counts them.
+    with np.errstate(invalid="ignore"):
+        extents, area = np.ptp(mesh.triangles.reshape(-1, 3), axis=0), mesh.face_areas.sum()
     yield str(path)
     yield f"  format     {kind}"
     yield f"  parts      {len(given.parts):,}"
     yield f"  triangles  {len(mesh.faces):,}"
-    yield f"  area       {mesh.face_areas.sum():.6g}"
+    yield f"  area       {area:.6g}"
     yield f"  extents    {' × '.join(f'{extent:.6g}' for extent in extents)} (x × y × z)"
     yield f"  up axis    {given.up_axis or 'the file states none'}"
     yield f"  colours    {_colours(mesh)}"
-    for note in given.notes:
+    for note in (*notes_on_vertices(mesh, str(path)), *given.notes):
         yield f"  note       {note}"
 
 

@@ -92,9 +92,7 @@ def read(source: Source, file_type: str | None = None, largest_megabytes: float 
     if isinstance(source, Mesh):
         return source
     mesh, notes, up_axis = _read(source, file_type, largest_megabytes, join_parts)
-    broken = int((~np.isfinite(mesh.vertices)).any(axis=1).sum())
-    if broken:
-        notes = (f"{name_of(source)} has {broken} NaN or infinite vertices.", *notes)
+    notes = (*notes_on_vertices(mesh, name_of(source)), *notes)
     return replace(mesh, notes=notes, up_axis=up_axis)
 
 
@@ -106,6 +104,12 @@ def read_parts(
     Arguments and errors are those of `read`. No part needs a face, and a `Mesh`, which has no parts, is refused.
     """
     return Parts(*_read(source, file_type, largest_megabytes, tuple))
+
+
+def notes_on_vertices(mesh: Mesh, name: str) -> tuple[str, ...]:
+    """Return a sentence that counts the NaN and infinite vertices of a mesh; empty without such vertices."""
+    broken = int((~np.isfinite(mesh.vertices)).any(axis=1).sum())
+    return (f"{name} has {broken} NaN or infinite vertices.",) if broken else ()
 
 
 def name_of(source: Source) -> str:
