@@ -1,4 +1,4 @@
-"""The example compares the files of a folder with other libraries, and names those that differ."""
+"""The example compares the meshes of folders as several libraries read them, and names the files that differ."""
 
 import importlib.util
 import sys

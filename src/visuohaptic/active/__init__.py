@@ -1,5 +1,5 @@
 """Policies, which choose each touch by the touches before.
 
 `registry` lists the policies beside the planned strategies, and phase `touches` runs them by
-`touching.touch_by_policies`.
+`sessions.touch_by_policies`.
 """

@@ -87,7 +87,7 @@ def titled_strategy(key: str) -> str:
 
 
 def recomputed(step: str) -> str:
-    """Return what a condition computes again, from its first step."""
+    """Return in words the first step that a condition computes again."""
     return RECOMPUTED[step]
 
 
