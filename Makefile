@@ -136,6 +136,7 @@ baselines: $(READY)
 	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" \
 	  probing="{strategies: [fixation, random, random_visible]}" -- features_all
 	@python -m baselines.measure results $(SET)
+	@python -m visuohaptic.studies.keeping baselines $(SET) results/baselines.parquet
 	@python -m baselines.make_page
 
 bench: $(DEVELOP)

@@ -45,7 +45,10 @@ def blocks() -> dict[str, str]:
     differences = [row for of_set in kept.values() for row in _differences(of_set)]
     seconds = ["objects", "classifier", "splits"]
     seconds += [f"{kind}, {length}" for kind in ("fit", "predict") for length in LENGTHS]
-    sources = "; ".join(text for name, of_set in kept.items() for text in _sources(name, of_set))
+    sources = "; ".join(
+        f"{SETS[name]}: {of_set.source.commit[:12]}, {of_set.source.date}"
+        for name, of_set in kept.items()
+    )
     return {
         "headline": headline(kept),
         "simplest": simplest(kept),
@@ -159,14 +162,6 @@ def difference(kept: KeptBaselines, name: str, strategy: str, touches: int) -> I
     ]
     theirs, ours, weights = np.array(rows, dtype=np.float64).T
     return compare_paired(theirs, ours, weights, INTERVALS).difference
-
-
-def _sources(name: str, kept: KeptBaselines) -> Iterator[str]:
-    """Yield commit and date of a set, and of the classifiers that were measured by themselves."""
-    yield f"{SETS[name]}: {kept.commit[:12]}, {kept.date}"
-    later = {cell.classifier: cell for cell in kept.cells if cell.commit and cell.date}
-    for classifier, cell in later.items():
-        yield f"{SETS[name]}, {classifier}: {str(cell.commit)[:12]}, {cell.date}"
 
 
 def _accuracies(kept: KeptBaselines, touches: int) -> Iterator[list[object]]:

@@ -1,35 +1,33 @@
 """Measure pipeline `order_free`, the paper's pipeline and the baselines: `python -m baselines.measure RESULTS SET`.
 
-Writes the accuracies per object to ``kept_SET.json`` beside this file.
+Writes the accuracies per object to ``RESULTS/baselines.parquet``.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from datetime import UTC, datetime
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
-from pydantic import BaseModel
 from sklearn.base import clone
 
 import visuohaptic as vh
 from baselines.choose import CHOSEN
 from baselines.estimators import NearestObject, TouchPerceptron, twenty_lines
 from classifier_settings.choose import choosing_half
-from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic.evaluation.evaluating import Evaluation
 from visuohaptic.evaluation.inputs import Inputs
-from visuohaptic.io.checkout import find_commit
 from visuohaptic.meshes.catalogue import models_of_set
 from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.studies.figures import rows_by
+from visuohaptic.studies.keeping import Source, kept_file, read_source, write_measured
 from visuohaptic.tables.phases import FEATURES, TOUCHES, keys_of
-from visuohaptic.tables.schema import read_table
+from visuohaptic.tables.schema import open_parquet, read_table
 
 FOLDER = Path(__file__).parent
 STRATEGIES = ("fixation", "random", "random_visible")
@@ -78,32 +76,31 @@ class Contestant:
         )
 
 
-class KeptCell(BaseModel):
-    """Accuracy and weight per object (None for untested objects), and processor seconds of fit and predict per split.
-
-    `commit` and `date` are those of `KeptBaselines`, unless the cell was measured by itself.
-    """
+@dataclass(frozen=True)
+class KeptCell:
+    """Accuracy and weight per object (None for untested objects), and processor seconds of fit and predict per split."""
 
     classifier: str
     strategy: str
     touches: int
     splits: int
-    accuracy: tuple[float | None, ...]
-    weights: tuple[float | None, ...]
     fit: float
     predict: float
-    commit: str | None = None
-    date: str | None = None
+    accuracy: Sequence[float | None]
+    weights: Sequence[float | None]
 
 
-class KeptBaselines(BaseModel):
+@dataclass(frozen=True)
+class KeptBaselines:
     """Measured cells of one set of objects. Settings were chosen on the objects in `choosing`."""
 
-    commit: str
-    date: str
-    objects: tuple[str, ...]
-    choosing: tuple[str, ...]
-    cells: tuple[KeptCell, ...]
+    source: Source
+    objects: Sequence[str]
+    choosing: Sequence[str]
+    cells: Sequence[KeptCell]
+
+
+_CELL = ("classifier", "strategy", "touches", "splits", "fit", "predict")
 
 
 @cache
@@ -126,12 +123,10 @@ def measure(
     touches: pa.Table,
     objects: Sequence[str],
     name_of_set: str,
-    classifiers: Sequence[str],
 ) -> Iterator[KeptCell]:
-    """Evaluate classifiers on a run's tables, by every strategy of the run and number of touches, and yield the cells."""
+    """Evaluate all classifiers on a run's tables, by every strategy of the run and number of touches."""
     strategies = set(features.column("strategy").unique().to_pylist())
-    for name in classifiers:
-        contestant = contestants()[name]
+    for name, contestant in contestants().items():
         table = touches if contestant.inputs == "touches" else features
         for strategy in filter(strategies.__contains__, STRATEGIES):
             for length in LENGTHS:
@@ -149,47 +144,46 @@ def measure(
                 )
 
 
-def read_kept(name: str) -> KeptBaselines:
+def arrange(
+    cells: Iterable[KeptCell], objects: Sequence[str], choosing: Collection[str]
+) -> pa.Table:
+    """Return one row per cell and object. `choosing` are the objects on which settings were chosen."""
+    rows = []
+    for cell in cells:
+        named = {name: value for name, value in asdict(cell).items() if name in _CELL}
+        for key, accuracy, weight in zip(objects, cell.accuracy, cell.weights, strict=True):
+            owner = {"object": key, "choosing": key in choosing}
+            rows.append({**named, **owner, "accuracy": accuracy, "weight": weight})
+    return pa.Table.from_pylist(rows)
+
+
+def read_kept(name: str, folder: Path = FOLDER) -> KeptBaselines:
     """Read the kept cells of a set of objects."""
-    text = (FOLDER / f"kept_{name}.json").read_text(encoding="utf-8")
-    return KeptBaselines.model_validate_json(text)
+    path = kept_file(folder, name)
+    cells, owners = [], dict[str, bool]()
+    for key, rows in rows_by(open_parquet(path).read(), _CELL).items():
+        columns = rows.to_pydict()
+        owners = dict(zip(columns["object"], columns["choosing"], strict=True))
+        named = dict(zip(_CELL, key, strict=True))
+        cells.append(KeptCell(**named, accuracy=columns["accuracy"], weights=columns["weight"]))
+    choosing = tuple(key for key, chose in owners.items() if chose)
+    return KeptBaselines(read_source(path), tuple(owners), choosing, cells)
 
 
 def main() -> None:
-    """Measure all cells of a run, or those of one classifier, and write the file after each cell."""
+    """Measure all cells of a run."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("results", type=Path, help="folder results/ of a run with three strategies")
     parser.add_argument("set", choices=("paper", "benchmark"))
     parser.add_argument("--catalogue", type=Path, default=Path("meshes/catalogue.csv"))
-    parser.add_argument(
-        "--only",
-        choices=contestants(),
-        help="replace only the cells of this classifier, which then have their own commit and date",
-    )
     arguments = parser.parse_args()
     features = read_table(FEATURES, arguments.results / "features")
     touches = read_table(TOUCHES, arguments.results / "touches")
     objects = sorted(set(keys_of(features).to_pylist()))
     half = choosing_half(models_of_set(arguments.catalogue, "outside"))
-    state = {"commit": find_commit(), "date": datetime.now(UTC).strftime("%Y-%m-%d")}
-    if arguments.only:
-        kept = read_kept(arguments.set)
-        others = tuple(cell for cell in kept.cells if cell.classifier != arguments.only)
-        kept = kept.model_copy(update={"cells": others})
-    else:
-        kept = KeptBaselines(
-            **state,
-            objects=tuple(objects),
-            choosing=tuple(sorted(half.intersection(objects))),
-            cells=(),
-        )
-    classifiers = [arguments.only] if arguments.only else list(contestants())
-    for cell in measure(features, touches, kept.objects, arguments.set, classifiers):
-        own = cell.model_copy(update=state) if arguments.only else cell
-        kept = kept.model_copy(update={"cells": (*kept.cells, own)})
-        text = kept.model_dump_json().replace(',"commit":null,"date":null}', "}")
-        lines = f"{text}\n".replace('{"classifier"', '\n{"classifier"')
-        atomic_write_text(FOLDER / f"kept_{arguments.set}.json", lines)
+    cells = measure(features, touches, objects, arguments.set)
+    table = arrange(cells, objects, half)
+    write_measured(table, arguments.set, arguments.results / "baselines.parquet")
 
 
 if __name__ == "__main__":

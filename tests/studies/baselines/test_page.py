@@ -13,8 +13,18 @@ sys.path.append(str(Path(__file__).parents[3] / "docs"))
 
 from baselines.choose import CHOSEN, GRIDS, LEVEL
 from baselines.make_page import LABELS, blocks, difference, headline
-from baselines.measure import LENGTHS, OURS, STRATEGIES, KeptBaselines, KeptCell, read_kept
+from baselines.measure import (
+    FOLDER,
+    LENGTHS,
+    OURS,
+    STRATEGIES,
+    KeptBaselines,
+    KeptCell,
+    arrange,
+    read_kept,
+)
 from classifier_settings.choose import first_near_best
+from visuohaptic.studies.keeping import Source, keep, kept_file, write_measured
 
 OBJECTS = tuple(f"class/{number}" for number in range(20))
 
@@ -36,7 +46,7 @@ def kept(accuracies, choosing=()):
         for strategy in STRATEGIES
         for length in LENGTHS
     ]
-    return KeptBaselines(commit="a", date="b", objects=OBJECTS, choosing=choosing, cells=cells)
+    return KeptBaselines(Source("odd", "a", "b"), OBJECTS, choosing, cells)
 
 
 def test_a_baseline_that_is_ahead_stands_first():
@@ -100,17 +110,25 @@ def test_every_cell_of_a_set_is_kept(name, objects, choosing):
     }
 
 
+def test_kept_cells_are_read_as_they_were_measured(tmp_path):
+    cells = kept({"paper": [0.25] * 19 + [None]}).cells
+    write_measured(arrange(cells, OBJECTS, OBJECTS[:3]), "paper", tmp_path / "baselines.parquet")
+    keep(tmp_path / "baselines.parquet", "paper", tmp_path)
+    found = read_kept("paper", tmp_path)
+    assert (found.objects, found.choosing) == (OBJECTS, OBJECTS[:3])
+    assert found.cells == cells
+    assert found.source.set == "paper"
+
+
 @pytest.mark.parametrize(("name", "count"), [("paper", "12 objects"), ("benchmark", "142 objects")])
 def test_the_sentence_on_the_simplest_classifier_has_the_numbers_and_the_verdict_of_the_cells(
     name, count
 ):
-    held = json.loads((CHOSEN.parent / f"kept_{name}.json").read_text())
+    held = pd.read_parquet(kept_file(FOLDER, name)).dropna()
+    held = held[(held["strategy"] == "random") & (held["touches"] == 5)]
     cells = {
-        cell["classifier"]: pd.DataFrame(
-            {"accuracy": cell["accuracy"], "weight": cell["weights"]}, dtype=float
-        ).dropna()
-        for cell in held["cells"]
-        if (cell["strategy"], cell["touches"]) == ("random", 5)
+        classifier: rows.set_index("object")[["accuracy", "weight"]]
+        for classifier, rows in held.groupby("classifier")
     }
     means = [
         np.average(cells[key]["accuracy"], weights=cells[key]["weight"])
