@@ -13,13 +13,12 @@ import pyarrow as pa
 from cues.study import CUES, CueName, Tested
 from cues.tables import ACCURACIES
 from visuohaptic.base.arrays import FloatArray
-from visuohaptic.base.errors import ReportError, TableError
+from visuohaptic.base.errors import ReportError
 from visuohaptic.evaluation.intervals import compare_paired, object_interval
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import Frame, IntervalParameters
 from visuohaptic.report.estimates import Figure, estimate
-from visuohaptic.studies.keeping import Source, kept_files, read_source
-from visuohaptic.tables.schema import read_table
+from visuohaptic.studies.keeping import Source, kept_files, read_result, read_source
 
 FOLDER = Path(__file__).parent
 
@@ -107,12 +106,7 @@ class MeasuredCues:
 
 def read_cues(path: Path) -> MeasuredCues:
     """Read the accuracies by cue that a run of the study wrote. Raises `ReportError` if the file is damaged."""
-    try:
-        return MeasuredCues(read_table(ACCURACIES, path))
-    except TableError as error:
-        raise ReportError(
-            f"{path} holds no accuracies by cue ({error}); run `make cues` again."
-        ) from error
+    return MeasuredCues(read_result(ACCURACIES, path, "cues"))
 
 
 def kept_cues(folder: Path = FOLDER) -> dict[str, MeasuredCues]:

@@ -10,13 +10,11 @@ import numpy as np
 import pyarrow as pa
 
 from draws.tables import DRAWS
-from visuohaptic.base.errors import ReportError, TableError
 from visuohaptic.evaluation.leads import DrawnAccuracies
 from visuohaptic.evaluation.means_over_draws import LeadOverDraws, ObjectAccuracies, lead_over_draws
 from visuohaptic.report.wording import classifier_name, counted, percent_points, points
 from visuohaptic.studies.figures import rows_by
-from visuohaptic.studies.keeping import Source, kept_files, read_source
-from visuohaptic.tables.schema import read_table
+from visuohaptic.studies.keeping import Source, kept_files, read_result, read_source
 
 FOLDER = Path(__file__).parent
 
@@ -76,18 +74,12 @@ def read_kept(folder: Path = FOLDER) -> dict[str, KeptSet]:
 
 
 def _read_set(path: Path) -> KeptSet:
-    try:
-        table = read_table(DRAWS, path)
-    except TableError as error:
-        raise ReportError(
-            f"{path} holds no kept draws ({error}); run `make draws` again."
-        ) from error
     pipelines = {
         name: KeptPipeline(
             rows["classifier"][0].as_py(),
             {strategy: _accuracies(part) for (strategy,), part in rows_by(rows, ["strategy"]).items()},
         )
-        for (name,), rows in rows_by(table, ["pipeline"]).items()
+        for (name,), rows in rows_by(read_result(DRAWS, path, "draws"), ["pipeline"]).items()
     }  # fmt: skip
     return KeptSet(read_source(path), pipelines)
 

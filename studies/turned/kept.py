@@ -12,12 +12,10 @@ import pyarrow as pa
 from turned.study import STATISTICS, TRAINED_UPRIGHT, Known
 from turned.tables import TURNED
 from visuohaptic.base.arrays import BoolArray, FloatArray
-from visuohaptic.base.errors import ReportError, TableError
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.report.leads import KNOWN as KNOWN_FRAMES
 from visuohaptic.studies.figures import rows_by
-from visuohaptic.studies.keeping import Source, kept_files, read_source
-from visuohaptic.tables.schema import read_table
+from visuohaptic.studies.keeping import Source, kept_files, read_result, read_source
 
 FOLDER = Path(__file__).parent
 
@@ -80,17 +78,10 @@ class TurnedSet:
 
 def read_turned(folder: Path = FOLDER) -> dict[str, TurnedSet]:
     """Read the kept accuracies in a folder, by set of objects. Raises `ReportError` if a file is damaged."""
-    return {name: _read_set(path) for name, path in kept_files(folder).items()}
-
-
-def _read_set(path: Path) -> TurnedSet:
-    try:
-        table = read_table(TURNED, path)
-    except TableError as error:
-        raise ReportError(
-            f"{path} holds no kept accuracies of turned objects ({error}); run `make turned` again."
-        ) from error
-    return turned_set(table, read_source(path))
+    return {
+        name: turned_set(read_result(TURNED, path, "turned"), read_source(path))
+        for name, path in kept_files(folder).items()
+    }
 
 
 def turned_set(table: pa.Table, source: Source) -> TurnedSet:

@@ -74,9 +74,9 @@ def read_json(path: Path, make: Callable[[Any], Made], fault: str, way_out: str)
     make : callable
         Converts the value that the JSON text holds.
     fault : str
-        The fault to name if reading fails, such as ``holds no kept draws``.
+        The fault to name if reading fails, such as ``holds no figures of study trust``.
     way_out : str
-        The advice to the reader, such as ``run `make draws` again``.
+        The advice to the reader, such as ``run `snakemake -j2 trust_all` again``.
 
     Raises
     ------

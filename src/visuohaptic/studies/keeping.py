@@ -17,10 +17,10 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from visuohaptic.base.atomic_files import atomic_file, atomic_write_text
-from visuohaptic.base.errors import ReportError
+from visuohaptic.base.errors import ReportError, TableError
 from visuohaptic.io.checkout import find_commit
 from visuohaptic.studies.registry import REPOSITORY, load_study
-from visuohaptic.tables.schema import open_parquet
+from visuohaptic.tables.schema import Schema, open_parquet, read_table
 
 _KEPT = "kept_{}"
 
@@ -86,6 +86,16 @@ def read_figures(folder: str | Path, name: str) -> tuple[Any, Source]:
     """Read the kept figures of a set, and their source."""
     kept = json.loads(kept_file(folder, name, ".json").read_text(encoding="utf-8"))
     return kept.pop("figures"), Source(**kept)
+
+
+def read_result(schema: Schema, path: str | Path, study: str) -> pa.Table:
+    """Read a kept table, or the table that a run of a study wrote. Raises `ReportError` if the file is damaged."""
+    try:
+        return read_table(schema, path)
+    except TableError as error:
+        raise ReportError(
+            f"{path} holds no result of study {study} ({error}); run `make {study}` again."
+        ) from error
 
 
 def read_source(path: str | Path) -> Source:

@@ -268,5 +268,7 @@ def test_a_pair_is_over_the_objects_of_both_and_a_missing_cell_is_named(tmp_path
 def test_a_damaged_file_is_named(tmp_path):
     path = tmp_path / "cues.parquet"
     path.write_text("no table")
-    with pytest.raises(ReportError, match=r"cues\.parquet holds no accuracies by cue .*make cues"):
+    with pytest.raises(
+        ReportError, match=r"cues\.parquet holds no result of study cues .*make cues"
+    ):
         read_cues(path)

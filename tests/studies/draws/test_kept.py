@@ -61,7 +61,9 @@ def test_what_is_not_kept_is_none_and_a_damaged_file_is_named(folder):
     assert read_draws("benchmark", "order_free", folder) is None
     assert read_draws("paper", "order_free", folder, "random_visible") is None
     kept_file(folder, "paper").write_text("no table")
-    with pytest.raises(ReportError, match=r"kept_paper.parquet holds no kept draws .*make draws"):
+    with pytest.raises(
+        ReportError, match=r"kept_paper.parquet holds no result of study draws .*make draws"
+    ):
         read_draws("paper", "order_free", folder)
 
 

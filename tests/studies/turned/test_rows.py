@@ -108,7 +108,7 @@ def test_a_change_of_a_lead_is_a_contrast_of_four_cells_over_the_same_objects():
 def test_a_damaged_file_is_named(tmp_path):
     kept_file(tmp_path, "paper").write_text("no table")
     with pytest.raises(
-        ReportError, match=r"kept_paper\.parquet holds no kept accuracies of turned objects"
+        ReportError, match=r"kept_paper\.parquet holds no result of study turned .*make turned"
     ):
         read_turned(tmp_path)
     assert all(turned_rows(one, IntervalParameters()) for one in read_turned().values())
