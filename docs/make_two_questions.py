@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Sequence
 from typing import get_args
 
 from filling import DOCS, fill_page, table
+from matplotlib.figure import Figure as Chart
 
-from turned.leads import KeptLeads, question_sentence, read_kept_leads
+from turned.leads import KeptLead, KeptLeads, question_sentence, read_kept_leads
 from visuohaptic.evaluation.intervals import holm
-from visuohaptic.evaluation.leads import Question
+from visuohaptic.evaluation.leads import LEADS, Question
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report import figures
+from visuohaptic.report.drawing import style
 from visuohaptic.report.estimates import Figure, with_interval
 from visuohaptic.report.leads import Lead
 from visuohaptic.report.questions import QUESTIONS
@@ -64,6 +67,25 @@ def ends(figure: Figure) -> str:
     return f"{points(figure.low)} to {points(figure.high)}"
 
 
+@style()
+def leads_by_class(shown: Sequence[KeptLead]) -> Chart:
+    """Draw the mean lead of each class's objects with its interval, one row per class, largest first lead on top.
+
+    `shown` are leads of one condition with different compared strategies, at least one.
+    """
+    first = shown[0].by_class
+    rows = sorted(first, key=lambda name: -first[name].mean)
+    series = [
+        figures.Series(
+            figures.LEGENDS[lead.name],
+            list(LEADS).index(lead.name),
+            [lead.by_class.get(row) for row in rows],
+        )
+        for lead in shown
+    ]
+    return figures.draw_leads(rows, "class", series)
+
+
 def plain(text: str) -> str:
     """Return a text with plain spaces."""
     return text.replace("\N{NO-BREAK SPACE}", " ")
@@ -83,4 +105,4 @@ if __name__ == "__main__":
         figures.leads(leads).savefig(PICTURES / f"{name}.png", dpi=150, facecolor="white")
     for leads in kept.by_class():
         picture = PICTURES / f"leads_by_class_{leads[0].pipeline}.png"
-        figures.leads_by_class(leads).savefig(picture, dpi=150, facecolor="white")
+        leads_by_class(leads).savefig(picture, dpi=150, facecolor="white")

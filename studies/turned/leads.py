@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from visuohaptic.evaluation.leads import LEADS, LEADS_OF, LeadName, Question
 from visuohaptic.evaluation.means_over_draws import ObjectAccuracies, in_common, lead_over_draws
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import Frame, IntervalParameters
-from visuohaptic.report.estimates import both_intervals, estimate
+from visuohaptic.report.estimates import Figure, both_intervals, estimate
 from visuohaptic.report.estimates import lead as lead_figure
 from visuohaptic.report.leads import KNOWN, Lead, Verdict, verdict
 from visuohaptic.report.wording import POSES, counted, listed, percent_points, points
@@ -42,18 +42,25 @@ class _Measured:
 
 
 @dataclass(frozen=True)
+class KeptLead(Lead):
+    """A kept lead; `by_class` is the mean lead of each class's objects."""
+
+    by_class: Mapping[str, Figure] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
 class KeptLeads:
     """The kept leads of a set of objects, with the days of their measurement."""
 
-    leads: tuple[Lead, ...]
+    leads: tuple[KeptLead, ...]
     objects: int
     dates: tuple[str, ...]
 
-    def of(self, question: Question) -> tuple[Lead, ...]:
+    def of(self, question: Question) -> tuple[KeptLead, ...]:
         """Return the leads of a question."""
         return tuple(lead for lead in self.leads if lead.name in LEADS_OF[question])
 
-    def by_class(self) -> list[tuple[Lead, ...]]:
+    def by_class(self) -> list[tuple[KeptLead, ...]]:
         """Return the leads of each pipeline in its first condition, to be shown by class."""
         conditions = dict.fromkeys((lead.pipeline, lead.condition) for lead in self.leads)
         first = dict(reversed(list(conditions)))
@@ -204,7 +211,7 @@ def _lead(
     first: _Measured,
     second: _Measured,
     intervals: IntervalParameters,
-) -> Lead:
+) -> KeptLead:
     """Compute a lead; the objects that both strategies tested are not empty."""
     plus, minus = in_common(first.mean, second.mean)
     compared = compare_paired(plus.accuracy, minus.accuracy, plus.weights, intervals, plus.classes)
@@ -217,7 +224,7 @@ def _lead(
         )
         by_class[category] = estimate(of_class.difference)
     over_draws = lead_over_draws(first.mean, second.draws) if second.draws else None
-    return Lead(
+    return KeptLead(
         name,
         *condition,
         second.count,

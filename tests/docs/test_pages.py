@@ -31,6 +31,7 @@ from visuohaptic.evaluation.held_out import summarise_evaluation
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.phases import OF_OBJECT, PHASES, Phase
 from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
+from visuohaptic.report.estimates import Figure
 from visuohaptic.studies.learning_policies import LEARNING_POLICIES
 from visuohaptic.studies.registry import find_studies
 from visuohaptic.tables.schema import read_table
@@ -235,6 +236,21 @@ def test_a_page_shows_the_figures_that_are_kept(script, reader, place, run_scrip
     sets = run_script("docs/filling")[reader](ROOT / place)
     for block, content in made["blocks"](sets).items():
         assert f"<!-- {block} -->\n{content}\n<!-- /{block} -->" in text, f"run {script}"
+
+
+def test_leads_by_class_are_drawn_in_the_order_of_the_first_lead(run_script):
+    from turned.leads import KeptLead
+
+    def lead_of(name, **by_class):
+        means = {category: Figure(mean) for category, mean in by_class.items()}
+        lead = (name, "paper", "none", "full", 5, 142, Figure(0.1))
+        return KeptLead(*lead, by_class=means)
+
+    shown = [lead_of("seeing", cup=-0.2, sofa=0.4, bed=0.1), lead_of("salience", sofa=0.2)]
+    (axes,) = run_script("docs/make_two_questions")["leads_by_class"](shown).axes
+    assert [label.get_text() for label in axes.get_yticklabels()] == ["sofa", "bed", "cup"]
+    places = [[*line.get_xdata()] for line in axes.lines if line.get_marker() != "None"]
+    assert places == [[0.4, 0.1, -0.2], [0.2]]
 
 
 def test_the_page_on_places_out_of_reach_shows_the_figures_that_are_kept(run_script):

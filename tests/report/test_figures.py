@@ -112,9 +112,9 @@ def test_learning_policies_of_plug_ins_look_different():
     assert len({look(strategy_place(name)) for name in names}) == len(names)
 
 
-def lead_of(name, mean, turns="none", **more):
+def lead_of(name, mean, turns="none"):
     figure = Estimate(mean, mean - 0.02, mean + 0.02, 0.5, mean - 0.05, mean + 0.05, 0.9)
-    return Lead(name, "paper", turns, "full", 5, 142, figure, **more)
+    return Lead(name, "paper", turns, "full", 5, 142, figure)
 
 
 def test_leads_have_a_row_per_condition_and_both_intervals_of_each_lead():
@@ -136,18 +136,6 @@ def test_leads_have_a_row_per_condition_and_both_intervals_of_each_lead():
     thick = [(-0.03, 0.01), (0.01, 0.05), (0.08, 0.12)]
     assert [one[:2] for one in drawn if one[2] < 1] == thin
     assert [one[:2] for one in drawn if one[2] > 1] == thick
-
-
-def test_leads_by_class_are_ordered_by_the_first_lead():
-    by_class = {"cup": Estimate(-0.2), "sofa": Estimate(0.4), "bed": Estimate(0.1)}
-    shown = [
-        lead_of("seeing", 0.1, by_class=by_class),
-        lead_of("salience", 0.1, by_class={"sofa": Estimate(0.2)}),
-    ]
-    (axes,) = figures.leads_by_class(shown).axes
-    assert [label.get_text() for label in axes.get_yticklabels()] == ["sofa", "bed", "cup"]
-    places = [[*line.get_xdata()] for line in axes.lines if line.get_marker() != "None"]
-    assert places == [[0.4, 0.1, -0.2], [0.2]]
 
 
 def test_no_lead_is_nothing_to_draw():

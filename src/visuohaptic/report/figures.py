@@ -125,26 +125,7 @@ def leads(shown: Sequence[Lead]) -> Figure:
         )
         for name, column in found.items()
     ]
-    return _draw_leads([titled(row) for row in by_row], "condition", series)
-
-
-@style()
-def leads_by_class(shown: Sequence[Lead]) -> Figure:
-    """Draw the mean lead of each class's objects with its interval, one row per class, largest first lead on top.
-
-    `shown` are leads of one condition with different compared strategies, at least one.
-    """
-    first = shown[0].by_class
-    rows = sorted(first, key=lambda name: -first[name].mean)
-    series = [
-        Series(
-            LEGENDS[lead.name],
-            list(LEADS).index(lead.name),
-            [lead.by_class.get(row) for row in rows],
-        )
-        for lead in shown
-    ]
-    return _draw_leads(rows, "class", series)
+    return draw_leads([titled(row) for row in by_row], "condition", series)
 
 
 def of_new_classes(figure: Estimate) -> Estimate:
@@ -156,7 +137,7 @@ def _lead_names(shown: Sequence[Lead]) -> list[LeadName]:
     return [name for name in LEADS if any(lead.name == name for lead in shown)]
 
 
-def _draw_leads(rows: Sequence[str], rows_are: str, series: Sequence[Series]) -> Figure:
+def draw_leads(rows: Sequence[str], rows_are: str, series: Sequence[Series]) -> Figure:
     """Draw one row per name with mark and intervals of each series, in percentage points."""
     if not series:
         raise ReportError("No lead was measured, so there is nothing to draw.")

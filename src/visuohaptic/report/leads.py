@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Literal
 
 from visuohaptic.evaluation.intervals import holm
@@ -61,8 +61,6 @@ class Lead:
         The lead as a share, with intervals and p values for new objects of the same classes and for new classes.
     deviation : float
         The standard deviation over draws, as a share; 0 for a single draw.
-    by_class : mapping of str to Figure
-        The mean lead of each class's objects; empty for leads of a run.
     """
 
     name: LeadName
@@ -73,7 +71,6 @@ class Lead:
     objects: int
     difference: Figure
     deviation: float = 0.0
-    by_class: Mapping[str, Figure] = field(default_factory=dict)
 
     @property
     def p_value(self) -> float:
