@@ -249,24 +249,8 @@ def touch_by_policies(
     Each sequence makes one try per round, at the surface's nearest point to the point that the policy chose. A
     sequence ends with `most` touches, if its policy stops, or if more than `SPARE` tries are passed over.
 
-    Parameters
-    ----------
-    subject : Subject
-        The object and its viewpoints.
-    policies : sequence of str
-        Names of policies.
-    viewpoints : ViewpointParameters
-        The arrangement of the viewpoints.
-    sensor : SensorParameters
-        The sensor.
-    scene : Scene
-        The simulated effects.
-    seed : int
-        Seed of the run.
-    most : int
-        The most touches of a sequence.
-    unreachable : {"replace", "skip", "keep"}
-        Treatment of locations out of reach. A policy's own ``unreachable`` overrides it.
+    The parameters are those of `touches.acquiring.acquire_touches`. `most` is the most touches of a sequence;
+    `unreachable` is the treatment of locations out of reach, which a policy's own ``unreachable`` overrides.
 
     Returns
     -------
