@@ -44,9 +44,10 @@ from visuohaptic.exploration.showing import (
     view_of,
 )
 from visuohaptic.exploration.sources import (
+    UP_ADVICE,
     is_one_source,
     mesh_parameters,
-    read_source,
+    model_of,
     with_axes,
 )
 from visuohaptic.exploration.touching_points import (
@@ -57,6 +58,7 @@ from visuohaptic.exploration.touching_points import (
 )
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.parameters import MeshParameters
+from visuohaptic.meshes.preparing import prepare_object
 from visuohaptic.parameters import ExperimentParameters, as_parameters, check_run
 from visuohaptic.tables.schema import images, write_table
 
@@ -628,12 +630,13 @@ def load(
     if key is not None and (key.count("/") != 1 or not all(key.split("/"))):
         raise MeshError(f"{key!r} is no key of an object; 'class/name' is allowed.")
     chosen = with_axes(mesh_parameters(parameters), source, up, front)
-    default_key, surface, from_file = read_source(source, file_type, chosen)
+    model = model_of(source)
+    surface, from_file = prepare_object(model, source, chosen, file_type, UP_ADVICE)
     for note in surface.notes:
         warnings.warn(note, MeshWarning, stacklevel=2)
     seconds = time.perf_counter() - started
     frame = FileFrame(from_file, unit)
-    return TouchableObject(default_key if key is None else key, surface, seconds, frame)
+    return TouchableObject(model.key if key is None else key, surface, seconds, frame)
 
 
 def touch(

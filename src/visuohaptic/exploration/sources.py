@@ -7,13 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from meshreaders.reading import name_of
-from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import ParameterError
-from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.catalogue import Model, read_catalogue
 from visuohaptic.meshes.model_files import PACKED, Source
 from visuohaptic.meshes.parameters import MeshParameters
-from visuohaptic.meshes.preparing import prepare_object
 from visuohaptic.meshes.up_axis import AXES, are_perpendicular
 from visuohaptic.parameters import ExperimentParameters, as_parameters
 
@@ -23,16 +20,15 @@ UP_ADVICE = 'load the mesh with up="z"'
 """End of the note on a doubtful up axis."""
 
 
-def read_source(
-    source: Source, file_type: str | None, parameters: MeshParameters
-) -> tuple[str, Surface, FloatArray]:
-    """Return an object's key, its surface in the object frame, and the matrix (4, 4) from its file's frame.
-
-    `file_type` is the format of an open file, such as ``obj``. Raises `MeshError` if `source` is no source of an
-    object, can't be read, or has no surface.
-    """
-    model = _model_of(source)
-    return model.key, *prepare_object(model, source, parameters, file_type, UP_ADVICE)
+def model_of(source: Source) -> Model:
+    """Return the catalogue's model of a packed model, and for other sources a model with only a name."""
+    if not isinstance(source, str | Path):
+        return Model(UNKNOWN_CLASS, name_of(source))
+    path = Path(source)
+    stem = path.name.removesuffix(".gz").rpartition(".")[0] or path.name
+    # A file's name may have bytes that are not UTF-8, and tables hold only text.
+    named = Model(UNKNOWN_CLASS, stem.encode("utf-8", "replace").decode("utf-8"))
+    return _catalogued(path) or named
 
 
 def with_axes(
@@ -86,16 +82,6 @@ def _is_whole(value: Any) -> bool:
         hasattr(value, name)
         for name in ("vertices", "vertex", "points", "geometry", "read", "surface")
     )
-
-
-def _model_of(source: Source) -> Model:
-    if not isinstance(source, str | Path):
-        return Model(UNKNOWN_CLASS, name_of(source))
-    path = Path(source)
-    stem = path.name.removesuffix(".gz").rpartition(".")[0] or path.name
-    # A file's name may have bytes that are not UTF-8, and tables hold only text.
-    named = Model(UNKNOWN_CLASS, stem.encode("utf-8", "replace").decode("utf-8"))
-    return _catalogued(path) or named
 
 
 def _catalogued(path: Path) -> Model | None:
