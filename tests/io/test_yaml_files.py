@@ -66,6 +66,7 @@ def test_a_value_that_yaml_reads_as_written_passes(tmp_path, value):
 def test_broken_yaml_is_named_in_a_file_and_left_to_snakemake_on_its_command_line(tmp_path):
     path = tmp_path / "params.yaml"
     path.write_text("seed: 1\nsensor: {resolution: 8\nprobing: 3\n")
-    with pytest.raises(ParameterError, match=r"params\.yaml can't be read: .*line 3"):
+    with pytest.raises(ParameterError, match=r"params\.yaml can't be read: .*line 3") as caught:
         read_yaml(path)
+    assert "unicode string" not in str(caught.value)
     check_config("a={b")

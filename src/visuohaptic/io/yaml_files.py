@@ -156,5 +156,6 @@ def _check_scalar(node: Any, position: str) -> None:
 
 
 def _reason(error: Exception) -> str:
+    """Return an error's message on one line, without PyYAML's name of a text, which the callers name."""
     text = error.strerror if isinstance(error, OSError) else str(error)
-    return " ".join(str(text).split())
+    return " ".join(str(text).replace('"<unicode string>", ', "").split())
