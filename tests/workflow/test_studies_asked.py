@@ -5,17 +5,17 @@ import pytest
 from visuohaptic.base.errors import ParameterError
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.registry import REPOSITORY, find_studies
-from visuohaptic.studies.study import Study
-from visuohaptic_workflow.studies_asked import is_asked_for, names_of_run, studies_to_plan
+from visuohaptic.studies.study import Step, Study
+from visuohaptic_workflow.studies_asked import asked_for, names_of_run, studies_to_plan
 
 STUDIES = (
     *find_studies(ExperimentParameters(), [REPOSITORY]).values(),
     *(Study(name, "Mine", is_coded=False) for name in ("palm", "palm_cover", "touches")),
+    *(
+        Study(name, "Mine", steps=(Step(f"{name}_page", "a:b", (f"reports/{name}.json",)),))
+        for name in ("hand", "my_hand", "at_study_palm")
+    ),
 )
-
-
-def asked_for(arguments):
-    return {study.name for study in STUDIES if is_asked_for(arguments, study)}
 
 
 @pytest.mark.parametrize(
@@ -24,6 +24,9 @@ def asked_for(arguments):
         ("study_palm_cover", "palm_cover"),
         ("settings_cost_all", "settings_cost"),
         ("visuohaptic_variants_all", "variants"),
+        ("my_hand_all", "my_hand"),
+        ("visuohaptic_my_hand_all", "my_hand"),
+        ("study_at_study_palm", "at_study_palm"),
         ("results/studies/palm.parquet", "palm"),
         ("results/study_features/palm/0a1b.parquet", "palm"),
         ("results/study_records/block_of_study/palm/0000-0002.json", "palm"),
@@ -33,7 +36,7 @@ def asked_for(arguments):
     ],
 )
 def test_a_rule_or_a_file_of_a_study_asks_for_it_alone(target, study):
-    assert asked_for(["-j2", "--", target]) == {study}
+    assert asked_for(["-j2", "--", target], STUDIES) == {study}
 
 
 @pytest.mark.parametrize(
@@ -49,7 +52,7 @@ def test_a_rule_or_a_file_of_a_study_asks_for_it_alone(target, study):
     ],
 )
 def test_other_arguments_ask_for_no_study(line):
-    assert asked_for(line.split()) == set()
+    assert asked_for(line.split(), STUDIES) == set()
 
 
 def planned(*arguments):
@@ -65,6 +68,7 @@ def test_rules_are_made_of_studies_that_are_asked_for_and_of_those_that_they_tak
     assert planned("results/eye_and_touch.parquet") == {"eye_and_touch", "touch_curves"}
     # By one of its steps, and as a job on another machine has it on its command line.
     assert planned("variants_page") == {"variants"}
+    assert planned("my_hand_page") == {"my_hand"}
     assert planned("block_of_study:block=0000-0002,study=palm") == {"palm"}
 
 

@@ -15,9 +15,9 @@ from visuohaptic.studies.registry import find_studies, section_files
 from visuohaptic.studies.sampling import sample_objects
 from visuohaptic.studies.study import DUMP_FOR_CONDITIONS, WITHOUT_EFFECT
 from visuohaptic_workflow.studies_asked import (
-    is_asked_for,
+    asked_by_rule,
+    asked_for,
     names_of_run,
-    names_rules_of,
     studies_to_plan,
 )
 
@@ -294,11 +294,12 @@ def params_of_step(study, step):
 
 def files_of_more_studies(wildcards):
     """List the files of studies that are not part of the run, for the report: files that are there or requested."""
+    asked = asked_by_rule(ARGUMENTS, STUDIES.values())
     return [
         file
         for study in MORE_STUDIES
         for file in study.shown
-        if names_rules_of(ARGUMENTS, study) or is_requested_or_there(file)
+        if study.name in asked or is_requested_or_there(file)
     ]
 
 
@@ -318,10 +319,11 @@ def studies_left_out(sweep):
     """Return the names of the studies that a sweep moves out of the report, and that this run does not make again."""
     returned = {file for files in sweep.returned.values() for file in files}
     moved = {*sweep.moved} - returned
+    asked = asked_for(ARGUMENTS, STUDIES.values())
     return [
         study.name
         for study in MORE_STUDIES
-        if not is_asked_for(ARGUMENTS, study) and not moved.isdisjoint(study.shown)
+        if study.name not in asked and not moved.isdisjoint(study.shown)
     ]
 
 

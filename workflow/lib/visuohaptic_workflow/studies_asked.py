@@ -26,15 +26,33 @@ def names_of_run(studies: Mapping[str, Study], more: Iterable[str]) -> list[str]
     return [name for name, study in studies.items() if study.is_part_of_run or name in more]
 
 
-def is_asked_for(arguments: Sequence[str], study: Study) -> bool:
-    """Return whether a command line of Snakemake names a rule or file of a study."""
-    return names_rules_of(arguments, study) or any(map(study.owns, arguments))
+def asked_for(arguments: Sequence[str], studies: Iterable[Study]) -> set[str]:
+    """Return the names of the studies of which a command line of Snakemake names a rule or a file."""
+    studies = list(studies)
+    by_file = {study.name for study in studies if any(map(study.owns, arguments))}
+    return by_file | asked_by_rule(arguments, studies)
 
 
-def names_rules_of(arguments: Iterable[str], study: Study) -> bool:
-    """Return whether a command line names a rule of a study, with or without the prefix of a workflow module."""
-    rules = [f"study_{study.name}", *([f"{study.name}_all"] if study.is_coded else [])]
-    return any(f"_{argument}".endswith(f"_{rule}") for argument in arguments for rule in rules)
+def asked_by_rule(arguments: Iterable[str], studies: Iterable[Study]) -> set[str]:
+    """Return the names of the studies of which a command line names a rule, with or without a workflow module's prefix.
+
+    Of rules with the same end, the longest name counts: `more_touches_all` is no rule of a study `touches`.
+    """
+    owners: dict[str, str] = {}
+    for study in studies:
+        owners[f"study_{study.name}"] = study.name
+        if study.is_coded:
+            owners[f"{study.name}_all"] = study.name
+    return _owners_of(arguments, owners)
+
+
+def _owners_of(rules: Iterable[str], owners: Mapping[str, str]) -> set[str]:
+    """Return the studies of rules, whose names may have a prefix; `owners` has the study of each rule."""
+    found = set()
+    for rule in rules:
+        named = [name for name in owners if f"_{rule}".endswith(f"_{name}")]
+        found |= {owners[max(named, key=len)]} if named else set()
+    return found
 
 
 def studies_to_plan(
@@ -45,13 +63,15 @@ def studies_to_plan(
     These are studies named in `of_run`, requested studies, studies with files, and studies whose files these take. A
     command line requests a study by a rule, by a file, or, in a job, by the value of wildcard ``study``.
     """
+    steps = {step.name: study.name for study in studies.values() for step in study.steps}
+    jobs = [argument.partition(":") for argument in arguments]
+    of_jobs = {value for *_, wildcards in jobs for value in wildcards.split(",")}
+    asked = {*of_run, *asked_for(arguments, studies.values())}
+    asked |= _owners_of((rule for rule, *_ in jobs), steps)
     waiting = [
         study
         for study in studies.values()
-        if study.name in of_run
-        or is_asked_for(arguments, study)
-        or any(_names_step(argument, study) for argument in arguments)
-        or has_files(study)
+        if study.name in asked or f"study={study.name}" in of_jobs or has_files(study)
     ]
     chosen: set[str] = set()
     while waiting:
@@ -71,9 +91,3 @@ def has_files(study: Study) -> bool:
     return any(any(Path().glob(pattern)) for pattern in study.patterns) or any(
         map(is_stored, records)
     )
-
-
-def _names_step(argument: str, study: Study) -> bool:
-    rule, _, wildcards = argument.partition(":")
-    named = any(f"_{rule}".endswith(f"_{step.name}") for step in study.steps)
-    return named or f"study={study.name}" in wildcards.split(",")
