@@ -6,7 +6,13 @@ from visuohaptic.base.errors import ParameterError
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.registry import REPOSITORY, find_studies
 from visuohaptic.studies.study import Step, Study
-from visuohaptic_workflow.studies_asked import asked_for, names_of_run, studies_to_plan
+from visuohaptic_workflow.parameter_sources import options_of_values
+from visuohaptic_workflow.studies_asked import (
+    asked_for,
+    names_of_run,
+    say_left_out,
+    studies_to_plan,
+)
 
 STUDIES = (
     *find_studies(ExperimentParameters(), [REPOSITORY]).values(),
@@ -78,6 +84,42 @@ def test_rules_are_made_of_studies_that_have_files(tmp_path, monkeypatch, file):
     (tmp_path / file).touch()
     monkeypatch.chdir(tmp_path)
     assert planned("all") == {"palm" if "palm" in file else "trust"}
+
+
+@pytest.mark.parametrize(
+    ("moved", "arguments", "sentences"),
+    [
+        ([], [], []),
+        (["results/touches/cup/mug/00-15.parquet"], [], []),
+        (["reports/studies/palm.json"], ["study_palm"], []),
+        (
+            ["reports/trust.json", "reports/studies/palm.json"],
+            ["all"],
+            [
+                (
+                    "The report leaves out studies trust, palm: `snakemake -j2 study_trust study_palm` measures "
+                    "with today's values."
+                )
+            ],
+        ),
+        (
+            ["reports/studies/gone.json", "results/studies/gone.parquet"],
+            ["all"],
+            ["The report leaves out study gone, whose file is deleted."],
+        ),
+    ],
+)
+def test_studies_that_leave_the_report_are_named_with_the_way_back(moved, arguments, sentences):
+    assert say_left_out(moved, STUDIES, arguments) == sentences
+
+
+def test_the_way_back_has_the_options_of_the_command():
+    line = ["snakemake", "--config", "sensor={reach: 2}", "-j2"]
+    options = options_of_values(line, ["more.yaml"], ["sensor={reach: 2}"])
+    (sentence,) = say_left_out(["reports/studies/palm.json"], STUDIES, [], options)
+    way = "`snakemake -j2 --configfile more.yaml --config 'sensor={reach: 2}' -- study_palm`"
+    assert way in sentence
+    assert options_of_values(["snakemake", "-j2"], [], ["sensor={reach: 2}"]) == ""
 
 
 def test_a_run_makes_the_studies_of_every_run_and_the_listed_ones():

@@ -90,6 +90,7 @@ from visuohaptic_workflow.one_run import (
 from visuohaptic_workflow.parameter_sources import (
     check_parameters,
     option_of_settings,
+    options_of_values,
 )
 from visuohaptic_workflow.planning import (
     Declared,
@@ -194,6 +195,11 @@ def parameters_of_run():
 for file in workflow.configfiles if IS_MAIN else []:
     or_stop(check_spelling, file)
 SETTINGS = option_of_settings(sys.argv)
+OPTIONS = options_of_values(
+    sys.argv,
+    [os.path.relpath(file) for file in workflow.config_settings.configfiles],
+    workflow.config_settings.config_args or (),
+)
 if IS_MAIN and IS_PLANNER:
     for setting in workflow.config_settings.config_args or ():
         or_stop(check_config, str(setting), SETTINGS)

@@ -16,8 +16,8 @@ from visuohaptic.studies.sampling import sample_objects
 from visuohaptic.studies.study import DUMP_FOR_CONDITIONS, WITHOUT_EFFECT
 from visuohaptic_workflow.studies_asked import (
     asked_by_rule,
-    asked_for,
     names_of_run,
+    say_left_out,
     studies_to_plan,
 )
 
@@ -316,15 +316,11 @@ def is_requested_or_there(file):
 
 
 def studies_left_out(sweep):
-    """Return the names of the studies that a sweep moves out of the report, and that this run does not make again."""
+    """Return sentences on the studies that a sweep moves out of the report, and that this run does not make again."""
     returned = {file for files in sweep.returned.values() for file in files}
     moved = {*sweep.moved} - returned
-    asked = asked_for(ARGUMENTS, STUDIES.values())
-    return [
-        study.name
-        for study in MORE_STUDIES
-        if study.name not in asked and not moved.isdisjoint(study.shown)
-    ]
+    made = [*ARGUMENTS, *(f"study_{study.name}" for study in STUDIES_OF_RUN)]
+    return say_left_out(moved, STUDIES.values(), made, OPTIONS)
 
 
 def report_of_study(wildcards):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from typing import Any
@@ -61,6 +62,18 @@ def option_of_settings(arguments: Sequence[str]) -> str:
         argument == "--config" or argument.startswith(("--config=", "-C")) for argument in arguments
     )
     return "--config" if of_line else "config of the profile"
+
+
+def options_of_values(arguments: Sequence[str], files: Sequence[str], values: Sequence[str]) -> str:
+    """Return the options of a command line of Snakemake that set values, as words of a shell; empty without any.
+
+    `files` are the files of ``--configfile``, and `values` the settings ``section=value`` of ``--config``. Settings of
+    the profile are no options.
+    """
+    words = ["--configfile", *files] if files else []
+    if values and option_of_settings(arguments) == "--config":
+        words += ["--config", *values]
+    return shlex.join(words)
 
 
 def _error_of(values: Mapping[str, Any]) -> str | None:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from visuohaptic.base.errors import ParameterError
+from visuohaptic.studies.study import FIGURES
 from visuohaptic_workflow.sweeping import is_stored
 
 if TYPE_CHECKING:
@@ -53,6 +55,54 @@ def _owners_of(rules: Iterable[str], owners: Mapping[str, str]) -> set[str]:
         named = [name for name in owners if f"_{rule}".endswith(f"_{name}")]
         found |= {owners[max(named, key=len)]} if named else set()
     return found
+
+
+def say_left_out(
+    moved: Collection[str], studies: Collection[Study], arguments: Sequence[str], options: str = ""
+) -> list[str]:
+    """Return a sentence on the studies that leave the report, and another on studies whose file is deleted.
+
+    Parameters
+    ----------
+    moved : collection of str
+        The files that leave their places.
+    studies : collection of Study
+        The studies that have rules.
+    arguments : sequence of str
+        The command line of Snakemake. A study that it names is made again.
+    options : str
+        The options of the command line that set values, such as ``--config seed=3``.
+    """
+    sentences = []
+    asked = asked_for(arguments, studies)
+    left_out = [
+        study.name
+        for study in studies
+        if study.name not in asked and not set(study.shown).isdisjoint(moved)
+    ]
+    if left_out:
+        targets = " ".join(f"study_{name}" for name in left_out)
+        command = f"snakemake -j2 {options} -- {targets}" if options else f"snakemake -j2 {targets}"
+        sentences.append(
+            f"The report leaves out {_in_words(left_out)}: `{command}` measures with today's values."
+        )
+    known = {study.name for study in studies}
+    named = {name for file in moved for name in _names_in(file) if name not in known}
+    if named:
+        sentences.append(
+            f"The report leaves out {_in_words(sorted(named))}, whose file is deleted."
+        )
+    return sentences
+
+
+def _names_in(file: str) -> list[str]:
+    """Return the name of the study that a file with figures belongs to, or nothing."""
+    found = (re.fullmatch(figures.format(r"(\w+)"), file) for figures in FIGURES)
+    return [match[1] for match in found if match]
+
+
+def _in_words(names: Sequence[str]) -> str:
+    return f"{'study' if len(names) == 1 else 'studies'} {', '.join(names)}"
 
 
 def studies_to_plan(

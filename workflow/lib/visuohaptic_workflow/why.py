@@ -19,7 +19,7 @@ def why(
 ) -> Iterator[str]:
     """Yield at most a few lines: the jobs behind some files that would run, by reason, and what the next run moves.
 
-    `left_out` are the names of studies that leave the report.
+    `left_out` are sentences on studies that leave the report (`studies_asked.say_left_out`).
     """
     by_reason: dict[str, Counter[str]] = {}
     for record in keys.needed_for(targets, sweep.stale):
@@ -51,10 +51,7 @@ def verify(keys: Keys, sweep: Sweep) -> tuple[list[str], bool]:
 
 
 def lines_of_sweep(sweep: Sweep, left_out: Sequence[str] = (), *, is_done: bool) -> list[str]:
-    """Return at most four lines on what a sweep moved, or what the sweep of the next run will move.
-
-    `left_out` are the names of studies that leave the report.
-    """
+    """Return at most three lines on what a sweep moved, or what the sweep of the next run will move, then `left_out`."""
     move, bring = ("Moved", "Brought") if is_done else _OF_THE_NEXT_RUN
     lines = []
     if sweep.stored:
@@ -66,13 +63,7 @@ def lines_of_sweep(sweep: Sweep, left_out: Sequence[str] = (), *, is_done: bool)
         lines.append(f"{move} {files} to {ASIDE}.")
     if sweep.returned:
         lines.append(f"{bring} {_files(sweep.returned.values())} back from {STORE}.")
-    if left_out:
-        targets = " ".join(f"study_{name}" for name in left_out)
-        studies = "study" if len(left_out) == 1 else "studies"
-        lines.append(
-            f"The report leaves out {studies} {', '.join(left_out)}: `snakemake -j2 {targets}` measures with today's values."
-        )
-    return lines
+    return [*lines, *left_out]
 
 
 def _files(groups: Iterable[Sequence[str]], kind: str = "") -> str:
