@@ -54,7 +54,7 @@ RUN_ELSEWHERE = {"tour.md", "your_question.md", *(f"{page}.md" for page in SHORT
 OF_RULES = "".join(file.read_text() for file in ROOT.glob("workflow/rules/*.smk"))
 RULES = {"all", *re.findall(r"^rule (\w+):", OF_RULES, re.M)}
 RULES |= {name for phase in OF_OBJECT for name in (phase.name, f"{phase.name}_all")}
-for study in find_studies(ExperimentParameters(), [ROOT / "studies"]).values():
+for study in find_studies(ExperimentParameters(), [ROOT / "studies"])[0].values():
     RULES |= {f"study_{study.name}", *([f"{study.name}_all"] if study.is_coded else [])}
 MAKEFILE = (ROOT / "Makefile").read_text()
 

@@ -105,10 +105,17 @@ def test_what_can_not_be_planned_is_one_sentence(fresh_stand_in, sensor, options
 def test_unusable_files_are_warned_of_once_and_not_by_the_process_that_writes_dvcs_lock(stand_in):
     for number in range(6):
         (stand_in.folder / f"meshes/own/cup{number}.xyz").touch()
+    (stand_in.folder / "studies").mkdir(exist_ok=True)
+    (stand_in.folder / "studies/broken.yaml").write_text("title: {")
     asked = ("snakemake", "--list-rules", "--quiet", "--workflow-profile", "none")
     warning = "warning: 6 files can't be used: "
-    assert stand_in.run(*asked, VISUOHAPTIC_ASKED="why").stdout.count("warning: ") == 1
-    assert warning in stand_in.run(*asked, VISUOHAPTIC_ASKED="why").stdout
+    said = stand_in.run(*asked, VISUOHAPTIC_ASKED="why").stdout
+    assert said.count("warning: ") == 2
+    assert warning in said
+    assert "Study broken is left out." in said
+    refused = stand_in.snakemake("-n", "--", "study_broken", check=False)
+    assert "studies/broken.yaml can't be read" in refused.stdout
+    assert refused.returncode == 1
     # Without Git the lock can't be written.
     locked = stand_in.run(*asked, check=False, VISUOHAPTIC_ASKED="lock").stdout
     assert "dvc.lock stays as it was" in locked

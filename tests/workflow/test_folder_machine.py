@@ -152,7 +152,8 @@ def test_a_deleted_study_leaves_the_report_in_a_sentence(folder):
     folder.write_study(CONDITIONS[0], is_listed=False)
     folder.run("study_palm")
     (folder.folder / "studies/palm.yaml").unlink()
-    assert "The report leaves out study palm, whose file is deleted." in folder.ask("why")
+    sentence = "The report leaves out study palm, whose file is deleted or can't be read."
+    assert sentence in folder.ask("why")
 
 
 def test_the_title_of_a_study_counts_for_its_figures(folder):

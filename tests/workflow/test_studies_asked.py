@@ -10,12 +10,13 @@ from visuohaptic_workflow.parameter_sources import options_of_values
 from visuohaptic_workflow.studies_asked import (
     asked_for,
     names_of_run,
+    say_faults,
     say_left_out,
     studies_to_plan,
 )
 
 STUDIES = (
-    *find_studies(ExperimentParameters(), [REPOSITORY]).values(),
+    *find_studies(ExperimentParameters(), [REPOSITORY])[0].values(),
     *(Study(name, "Mine", is_coded=False) for name in ("palm", "palm_cover", "touches")),
     *(
         Study(name, "Mine", steps=(Step(f"{name}_page", "a:b", (f"reports/{name}.json",)),))
@@ -105,7 +106,7 @@ def test_rules_are_made_of_studies_that_have_files(tmp_path, monkeypatch, file):
         (
             ["reports/studies/gone.json", "results/studies/gone.parquet"],
             ["all"],
-            ["The report leaves out study gone, whose file is deleted."],
+            ["The report leaves out study gone, whose file is deleted or can't be read."],
         ),
     ],
 )
@@ -120,6 +121,30 @@ def test_the_way_back_has_the_options_of_the_command():
     way = "`snakemake -j2 --configfile more.yaml --config 'sensor={reach: 2}' -- study_palm`"
     assert way in sentence
     assert options_of_values(["snakemake", "-j2"], [], ["sensor={reach: 2}"]) == ""
+
+
+BROKEN = {"hand": ParameterError("studies/hand.yaml can't be read.")}
+OTHERS = [study for study in STUDIES if study.name != "hand"]
+
+
+@pytest.mark.parametrize("arguments", [[], ["all"], ["my_hand_all"], ["study_palm"]])
+def test_a_file_that_holds_no_study_is_named_and_stops_no_other_run(arguments):
+    sentence = "studies/hand.yaml can't be read. Study hand is left out."
+    assert say_faults(BROKEN, OTHERS, arguments, ["palm"]) == [sentence]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "more"),
+    [
+        (["study_hand"], []),
+        (["hand_all"], []),
+        (["results/studies/hand.parquet"], []),
+        ([], ["hand"]),
+    ],
+)
+def test_a_file_that_holds_no_study_stops_a_run_that_asks_for_the_study(arguments, more):
+    with pytest.raises(ParameterError, match=r"studies/hand\.yaml can't be read"):
+        say_faults(BROKEN, OTHERS, arguments, more)
 
 
 def test_a_run_makes_the_studies_of_every_run_and_the_listed_ones():

@@ -17,6 +17,7 @@ from visuohaptic.studies.study import DUMP_FOR_CONDITIONS, WITHOUT_EFFECT
 from visuohaptic_workflow.studies_asked import (
     asked_by_rule,
     names_of_run,
+    say_faults,
     say_left_out,
     studies_to_plan,
 )
@@ -25,7 +26,16 @@ from visuohaptic_workflow.studies_asked import (
 if IS_PLANNER:
     os.environ.update(VISUOHAPTIC_ARGUMENTS=json.dumps(sys.argv[1:]))
 ARGUMENTS = json.loads(os.environ.setdefault("VISUOHAPTIC_ARGUMENTS", "[]"))
-STUDIES = or_stop(find_studies, PARAMETERS, STUDY_FOLDERS)
+STUDIES, FAULTS = or_stop(find_studies, PARAMETERS, STUDY_FOLDERS)
+for sentence in or_stop(
+    say_faults,
+    FAULTS,
+    STUDIES.values(),
+    [*ARGUMENTS, *sys.argv[1:]],
+    PARAMETERS.workflow.studies,
+):
+    if IS_PLANNER and os.environ.get(ASKED) != "lock":
+        print(f"warning: {sentence}", file=sys.stderr)
 OF_RUN = or_stop(names_of_run, STUDIES, PARAMETERS.workflow.studies)
 # Planning hundreds of conditions takes time, so plan only studies that need rules. As a module, plan all studies: the
 # requested rules are unknown.

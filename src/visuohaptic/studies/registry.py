@@ -36,8 +36,10 @@ _KINDS = ("*.yaml", "*.py", "*/study.py")
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,40}")
 
 
-def find_studies(run: ExperimentParameters, folders: Iterable[str | Path]) -> dict[str, Study]:
-    """Return all studies by name: first the package's, then the user's.
+def find_studies(
+    run: ExperimentParameters, folders: Iterable[str | Path]
+) -> tuple[dict[str, Study], dict[str, ParameterError]]:
+    """Return all studies by name: first the package's, then the user's; and the error of each other file by name.
 
     A user's study is a file ``<name>.yaml``, ``<name>.py`` or ``<name>/study.py`` in one of the folders. If two folders
     have a study of the same name, the first folder counts; but a ``<name>/study.py`` of a later folder must not have
@@ -52,23 +54,35 @@ def find_studies(run: ExperimentParameters, folders: Iterable[str | Path]) -> di
 
     Returns
     -------
-    dict of str to Study
+    studies : dict of str to Study
         The studies; the user's are sorted by name.
+    faults : dict of str to ParameterError
+        The error of each file that can't be read or has a name that is not allowed. The message names the file.
 
     Raises
     ------
     ParameterError
-        If a name is not allowed, or a file can't be read. The message names the file.
+        If two files have the same name.
     """
     studies = {study.name: study for study in STUDIES}
+    faults = {}
     for name, path in _study_files(map(Path, folders)).items():
-        if not _NAME.fullmatch(name) or name in PACKAGED:
-            raise ParameterError(
-                f"{path}: {name!r} is no name of a study; up to 41 lower-case letters, digits and underscores, "
-                f"beginning with a letter, are allowed, and none of {', '.join(PACKAGED)}."
-            )
-        studies[name] = read_study(path, run) if path.suffix == ".yaml" else load_study(path, name)
-    return studies
+        try:
+            _check_name(path, name)
+            is_yaml = path.suffix == ".yaml"
+            studies[name] = read_study(path, run) if is_yaml else load_study(path, name)
+        except ParameterError as error:
+            faults[name] = error
+    return studies, faults
+
+
+def _check_name(path: Path, name: str) -> None:
+    """Raise `ParameterError` if a file of the user has no name of a study, or the name of a study of the package."""
+    if not _NAME.fullmatch(name) or name in PACKAGED:
+        raise ParameterError(
+            f"{path}: {name!r} is no name of a study; up to 41 lower-case letters, digits and underscores, "
+            f"beginning with a letter, are allowed, and none of {', '.join(PACKAGED)}."
+        )
 
 
 def load_study(path: Path, name: str) -> Study:

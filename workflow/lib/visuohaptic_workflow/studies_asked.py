@@ -5,14 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from visuohaptic.base.errors import ParameterError
-from visuohaptic.studies.study import FIGURES
+from visuohaptic.studies.study import FIGURES, Study
 from visuohaptic_workflow.sweeping import is_stored
-
-if TYPE_CHECKING:
-    from visuohaptic.studies.study import Study
 
 
 def names_of_run(studies: Mapping[str, Study], more: Iterable[str]) -> list[str]:
@@ -57,6 +53,23 @@ def _owners_of(rules: Iterable[str], owners: Mapping[str, str]) -> set[str]:
     return found
 
 
+def say_faults(
+    faults: Mapping[str, ParameterError],
+    studies: Collection[Study],
+    arguments: Sequence[str],
+    more: Collection[str] = (),
+) -> list[str]:
+    """Return a sentence per file of a study that can't be read.
+
+    `faults` has the errors by name of the study (`registry.find_studies`). Raises the error if a study is requested, by
+    the command line or by `workflow.studies` as `more`.
+    """
+    for name, error in faults.items():
+        if name in more or name in asked_for(arguments, [*studies, Study(name, name)]):
+            raise error
+    return [f"{error} Study {name} is left out." for name, error in faults.items()]
+
+
 def say_left_out(
     moved: Collection[str], studies: Collection[Study], arguments: Sequence[str], options: str = ""
 ) -> list[str]:
@@ -90,7 +103,7 @@ def say_left_out(
     named = {name for file in moved for name in _names_in(file) if name not in known}
     if named:
         sentences.append(
-            f"The report leaves out {_in_words(sorted(named))}, whose file is deleted."
+            f"The report leaves out {_in_words(sorted(named))}, whose file is deleted or can't be read."
         )
     return sentences
 
