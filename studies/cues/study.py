@@ -9,7 +9,7 @@ from visuohaptic.geometry.turning import Turns
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import Frame
 from visuohaptic.studies.conditions import ONE_CLASSIFIER
-from visuohaptic.studies.study import Changes, Condition, Step, Study
+from visuohaptic.studies.study import Changes, Condition, Study, accuracies_step
 
 Tested = Literal["new", "known"]
 """Test objects: new objects of known classes, or objects that were also trained on, seen from new viewpoints."""
@@ -111,14 +111,7 @@ STUDY = Study(
     "cues",
     "What carries the accuracy",
     conditions,
-    steps=(
-        Step(
-            "cues",
-            "cues.accuracies:make_cues",
-            ("results/cues.parquet",),
-            needs={"include": {"meshes": {"set"}}},
-        ),
-    ),
+    steps=(accuracies_step("cues"),),
     has_figures=False,
     kept="results/cues.parquet",
 )

@@ -8,7 +8,7 @@ from variants.design import LITERAL, Variant
 from visuohaptic.base.draw_names import name_of_draw
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS, ONE_CLASSIFIER
-from visuohaptic.studies.study import Changes, Condition, Step, Study
+from visuohaptic.studies.study import Changes, Condition, Study, accuracies_step
 
 DRAWS = 20
 """Number of draws of the places in both pipelines."""
@@ -46,14 +46,7 @@ STUDY = Study(
     "draws",
     "Twenty draws of random places",
     conditions,
-    steps=(
-        Step(
-            "draws",
-            "draws.accuracies:make_draws",
-            ("results/draws.parquet",),
-            needs={"include": {"meshes": {"set"}}},
-        ),
-    ),
+    steps=(accuracies_step("draws"),),
     has_figures=False,
     kept="results/draws.parquet",
 )

@@ -14,7 +14,7 @@ from visuohaptic.geometry.turning import Turns
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import Frame
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS, ONE_CLASSIFIER
-from visuohaptic.studies.study import Changes, Condition, Step, Study
+from visuohaptic.studies.study import Changes, Condition, Study, accuracies_step
 
 TOUCHES = (1, 2, 3, 5)
 """Numbers of touches per sequence."""
@@ -105,14 +105,7 @@ STUDY = Study(
     "first_touch",
     "The first touch",
     conditions,
-    steps=(
-        Step(
-            "first_touch",
-            "first_touch.accuracies:make_first_touch",
-            ("results/first_touch.parquet",),
-            needs={"include": {"meshes": {"set"}}},
-        ),
-    ),
+    steps=(accuracies_step("first_touch"),),
     has_figures=False,
     kept="results/first_touch.parquet",
 )

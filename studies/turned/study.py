@@ -10,7 +10,14 @@ from visuohaptic.geometry.turning import Turns
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import Frame
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS, ONE_CLASSIFIER
-from visuohaptic.studies.study import DUMP_FOR_CONDITIONS, Changes, Condition, Step, Study
+from visuohaptic.studies.study import (
+    DUMP_FOR_CONDITIONS,
+    Changes,
+    Condition,
+    Step,
+    Study,
+    accuracies_step,
+)
 
 Known = Literal["statistics", "none", "centre", "vertical", "full", "trained_upright"]
 """The part of the object's frame that descriptors use: `recognition.frame`, `STATISTICS` or `TRAINED_UPRIGHT`."""
@@ -108,12 +115,7 @@ STUDY = Study(
             is_block=True,
             is_shown=False,
         ),
-        Step(
-            "turned",
-            "turned.accuracies:make_turned",
-            ("results/turned.parquet",),
-            needs={"include": {"meshes": {"set"}}},
-        ),
+        accuracies_step("turned"),
     ),
     has_figures=False,
     kept="results/turned.parquet",

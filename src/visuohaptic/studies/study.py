@@ -168,6 +168,17 @@ class Step:
         return f"results/study_records/{self.name}{each}.json"
 
 
+def accuracies_step(study: str) -> Step:
+    """Return the step that arranges the measured accuracies of a study as a table to keep.
+
+    Function ``<study>.accuracies:make_<study>`` takes the blocks, writes ``results/<study>.parquet``, and needs only the
+    name of the set of objects.
+    """
+    work = f"{study}.accuracies:make_{study}"
+    needs = {"include": {"meshes": {"set"}}}
+    return Step(study, work, (f"results/{study}.parquet",), needs=needs)
+
+
 @dataclass(frozen=True)
 class Study:
     """Conditions to compare, and the steps that follow their measurement.
