@@ -3,14 +3,12 @@
 import functools
 import os
 import sys
-import time
 
 import pytest
 from numerics.hard_cases.images import exact_bank
 from numerics.recording import Recorder
 
 RECORDER = Recorder()
-STARTED = time.perf_counter()
 
 
 def pytest_addoption(parser):
@@ -78,4 +76,4 @@ def pytest_sessionfinish(session, exitstatus):
     if hasattr(config, "workeroutput"):
         config.workeroutput["stability"] = RECORDER.as_bytes()
     elif _asked_for(config) and "PYTEST_XDIST_WORKER" not in os.environ:
-        RECORDER.write(_asked_for(config), time.perf_counter() - STARTED)
+        RECORDER.write(_asked_for(config))

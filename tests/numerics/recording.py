@@ -43,7 +43,7 @@ class Recorder:
         """Add what another process of the suite found."""
         self.results = merge_results([*self.results.values(), *pickle.loads(found)])  # noqa: S301
 
-    def write(self, page, seconds):
+    def write(self, page):
         """Write the page of hard cases, and its totals for the report: figures/<its name>.json beside it."""
         page = Path(page)
         results = [self.results[name] for name in TOLERANCES if name in self.results]
@@ -61,7 +61,7 @@ class Recorder:
         intro = (
             "For people who rely on the numbers: the largest error of each kind of hard case, beside its tolerance. "
             f"`make test-hard` wrote this page on {made['date']}, with version {made['version']} on {processor}, from "
-            f"{totals['cases']:,} cases of {len(results)} kinds in {seconds / 60:.1f} minutes. "
+            f"{totals['cases']:,} cases of {len(results)} kinds. "
             f"{sum(result.held for result in results)} kinds are within their tolerance, and "
             f"{sum(result.worst_error == 0 for result in results)} have no error at all. [stability.md](stability.md) "
             "explains how errors are measured, and `tests/numerics/tolerances.py` gives the reason of each tolerance."

@@ -19,9 +19,9 @@ def test_the_page_names_what_is_exceeded_and_the_report_reads_its_totals(tmp_pat
         recorder.hold(TURNED, [0.0, 0.1], lambda row: f"case {row}")
     other.hold("determinism/kill -9 and restart", np.zeros(1000))
     recorder.merge(other.as_bytes())
-    recorder.write(tmp_path / "found.md", 90)
+    recorder.write(tmp_path / "found.md")
     page = (tmp_path / "found.md").read_text()
-    assert "1,004 cases of 3 kinds in 1.5" in page.replace("\n", " ")
+    assert "1,004 cases of 3 kinds. " in page.replace("\n", " ")
     assert "| rays, grazing | 2 | 1e-16 | 1.8e-15 | 5.63 % | object radii |" in page
     assert "0.1 of the map's maximum, 0.05 is allowed (case 1)." in page.replace("\n", " ")
     said = describe_hard_cases(read_hard_cases(tmp_path / "figures/found.json"))
