@@ -15,8 +15,8 @@ import pyarrow.compute as pc
 from filling import DOCS, SETS, Figures, accuracy, difference, fill_page, kept_figures, share, table
 
 from visuohaptic.evaluation.intervals import holm
+from visuohaptic.evaluation.own_fixations import count_own_fixations
 from visuohaptic.report.comparison import SIGNIFICANCE
-from visuohaptic.report.own_fixations import count_own_fixations
 from visuohaptic.tables.schema import open_parquet
 
 PAGE = DOCS / "probing.md"

@@ -3,12 +3,14 @@
 import io
 import itertools
 import json
+from dataclasses import asdict
 
 import numpy as np
 import trimesh
 import yaml
 from PIL import Image
 
+from visuohaptic.evaluation.own_fixations import count_own_fixations
 from visuohaptic.evaluation.summary import summarise
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.surface import Surface, object_of, write_surface
@@ -68,7 +70,9 @@ def write_run(
     if drawn.num_rows:
         write_table(STUDY, drawn, folder / "results/study_blocks/random_draws/0000-0000.parquet")
     summary = summarise(scores, predictions, drawn=drawn)
-    metrics.write_text(json.dumps({**summary, "parameters": parameters}))
+    own = count_own_fixations(written["touches"], written["views"], PARAMETERS.attention.fixations)
+    own = None if own is None else asdict(own)
+    metrics.write_text(json.dumps({**summary, "own_fixations": own, "parameters": parameters}))
     return RunFiles(
         metrics=metrics,
         **{name: [path] for name, path in paths.items()},

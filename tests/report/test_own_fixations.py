@@ -8,11 +8,8 @@ import pyarrow as pa
 import pytest
 from report.pages import plain
 
-from visuohaptic.report.own_fixations import (
-    count_own_fixations,
-    own_fixations_rows,
-    own_fixations_sentence,
-)
+from visuohaptic.evaluation.own_fixations import count_own_fixations
+from visuohaptic.report.own_fixations import own_fixations_rows, own_fixations_sentence
 
 KEPT = Path(__file__).parents[1] / "golden/kept/default_run"
 

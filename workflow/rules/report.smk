@@ -29,6 +29,8 @@ rule metrics:
             "metrics",
             scores=files_of("scores", "{pipeline}/{strategy}"),
             predictions=files_of("predictions", "{pipeline}/{strategy}"),
+            touches=files_of("touches"),
+            views=files_of("views"),
             drawn=study_blocks("random_draws"),
         ),
     output:

@@ -11,10 +11,13 @@ with job(snakemake):
     make_metrics(
         scores=snakemake.input.scores,
         predictions=snakemake.input.predictions,
+        touches=snakemake.input.touches,
+        views=snakemake.input.views,
         metrics=snakemake.output.metrics,
         accuracy=snakemake.output.accuracy,
         confusion=snakemake.output.confusion,
         intervals=IntervalParameters(**snakemake.params.intervals),
+        fixations=snakemake.params.parameters["attention"]["fixations"],
         parameters=snakemake.params.parameters,
         drawn=snakemake.input.drawn,
     )

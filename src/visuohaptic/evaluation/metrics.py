@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +13,10 @@ import pyarrow as pa
 
 from visuohaptic.base.atomic_files import atomic_file, atomic_write_text
 from visuohaptic.base.csv_cells import csv_cell
+from visuohaptic.evaluation.own_fixations import count_own_fixations
 from visuohaptic.evaluation.summary import summarise
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.tables.phases import PREDICTIONS, SCORES
+from visuohaptic.tables.phases import PREDICTIONS, SCORES, TOUCHES, VIEWS
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import STUDY
 
@@ -24,10 +26,13 @@ SIGNIFICANT_DIGITS = 6
 def make_metrics(
     scores: Sequence[str | Path],
     predictions: Sequence[str | Path],
+    touches: Sequence[str | Path],
+    views: Sequence[str | Path],
     metrics: str | Path,
     accuracy: str | Path,
     confusion: str | Path,
     intervals: IntervalParameters,
+    fixations: int,
     parameters: Mapping[str, Any],
     drawn: Sequence[str | Path] = (),
 ) -> None:
@@ -39,14 +44,19 @@ def make_metrics(
     ----------
     scores, predictions : sequence of paths
         Files of `tables.SCORES` and `tables.PREDICTIONS`.
+    touches, views : sequence of paths
+        Files of `tables.TOUCHES` and `tables.VIEWS`.
     metrics : path
-        JSON to write: the figures of `summarise`, and the `parameters` of the run.
+        JSON to write: the figures of `summarise`, those of `count_own_fixations` as ``own_fixations`` (None without
+        touches by fixation), and the `parameters` of the run.
     accuracy : path
         CSV to write: accuracy per pipeline, strategy and classifier.
     confusion : path
         CSV to write: true and predicted class of each prediction.
     intervals : IntervalParameters
         The confidence of the intervals.
+    fixations : int
+        The number of fixations per view.
     parameters : mapping
         The parameters of the run, so that metrics of several runs can be compared.
     drawn : sequence of paths
@@ -54,7 +64,9 @@ def make_metrics(
     """
     predicted = read_table(PREDICTIONS, predictions)
     further = read_table(STUDY, drawn) if drawn else None
-    summary = round_numbers(summarise(read_table(SCORES, scores), predicted, intervals, further))
+    summary = summarise(read_table(SCORES, scores), predicted, intervals, further)
+    own = count_own_fixations(read_table(TOUCHES, touches), read_table(VIEWS, views), fixations)
+    summary = round_numbers({**summary, "own_fixations": None if own is None else asdict(own)})
     text = json.dumps({**summary, "parameters": parameters}, indent=2, sort_keys=True) + "\n"
     atomic_write_text(metrics, text)
     _write_csv(accuracy, _accuracy_rows(summary))

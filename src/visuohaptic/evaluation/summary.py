@@ -62,6 +62,8 @@ METHOD = {
     "leads": "accuracy by one strategy minus accuracy by another, mean over draws: seeing, fixation minus random places "
     "in reach; sight, random places in sight minus random places in reach; salience, fixation minus random places in "
     "sight",
+    "own_fixations": "touches by fixation, compared with the first n fixations of each view: shares of touches and of "
+    "views, each with its own count as denominator",
     "draws": "for a random strategy with several draws of the places, accuracy, balanced_accuracy, class_accuracy, "
     "by_object and difference use each object's mean over draws; leads are fixation minus each draw, and "
     "standard_deviation is the standard deviation of the leads (n - 1); object_accuracy and predictions are of draw 0",

@@ -11,6 +11,7 @@ from typing import Any
 import pyarrow as pa
 
 from visuohaptic.base.errors import ReportError
+from visuohaptic.evaluation.own_fixations import OwnFixations
 from visuohaptic.geometry.surface import notes_of, object_of, set_aside_reason
 from visuohaptic.meshes.catalogue import Credit, find_own_models, models_of_set, read_credits
 from visuohaptic.parameters import ExperimentParameters, read_parameters
@@ -110,8 +111,8 @@ class Run:
     all_objects : tuple of str
         All objects of the set and the user's own objects, `class/name`, also objects that no table contains.
     metrics : mapping
-        ``comparisons``, ``leads``, ``method`` and ``results`` of ``reports/metrics.json``, as `evaluation.summary.summarise`
-        returns.
+        ``comparisons``, ``leads``, ``method``, ``own_fixations`` and ``results`` of ``reports/metrics.json``, as
+        `evaluation.metrics.make_metrics` writes.
     fixations : pyarrow.Table
         Only the probing locations that were touched, one row per row of `touches` and in the same order. Column
         ``touch`` has the number of the touch.
@@ -151,6 +152,12 @@ class Run:
             and self.parameters.meshes.turns == "none"
             and own.isdisjoint(self.tested_objects)
         )
+
+    @property
+    def own_fixations(self) -> OwnFixations | None:
+        """Comparison of the touches with the fixations of the eye; None without touches by fixation."""
+        found = self.metrics["own_fixations"]
+        return None if found is None else OwnFixations(**found)
 
     @cached_property
     def objects(self) -> list[str]:
@@ -253,7 +260,8 @@ def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequenc
     """
 
     def take_figures(metrics: Any) -> Mapping[str, Any]:
-        return {name: metrics[name] for name in ("comparisons", "leads", "method", "results")}
+        names = ("comparisons", "leads", "method", "own_fixations", "results")
+        return {name: metrics[name] for name in names}
 
     fault, way_out = "holds no metrics of this workflow", "run rule metrics again"
     metrics = read_json(Path(files.metrics), take_figures, fault, way_out)

@@ -36,12 +36,7 @@ from visuohaptic.report.effects import (
 )
 from visuohaptic.report.held_out import held_out_figures
 from visuohaptic.report.leads import PLACES, Lead, run_leads
-from visuohaptic.report.own_fixations import (
-    OwnFixations,
-    count_own_fixations,
-    own_fixations_rows,
-    own_fixations_sentence,
-)
+from visuohaptic.report.own_fixations import own_fixations_rows, own_fixations_sentence
 from visuohaptic.report.provenance import describe_machine, find_versions
 from visuohaptic.report.questions import (
     MAIN_OPPONENT,
@@ -152,7 +147,7 @@ def method_values(context: ReportContext) -> Values:
     """Return one sequence of the run, from the view to the predicted classes."""
     page = context.explaining
     shown = select(context.run.features, **page.shown_rows, touch=0)
-    own_fixations = _own_fixations(context.run)
+    own_fixations = context.run.own_fixations
     return {
         "page": page,
         "bands": matrix(shown, CONTOURLET_FEATURES)[0].tolist() if shown.num_rows else [],
@@ -161,11 +156,6 @@ def method_values(context: ReportContext) -> Values:
         "own_fixations": own_fixations_sentence(own_fixations),
         "own_fixations_rows": own_fixations_rows(own_fixations),
     }
-
-
-def _own_fixations(run: Run) -> OwnFixations | None:
-    """Return the comparison of the run's touches with the fixations of the eye."""
-    return count_own_fixations(run.touches, run.views, run.parameters.attention.fixations)
 
 
 def _pipeline_texts(run: Run) -> list[str]:
