@@ -25,14 +25,14 @@ def names_of_run(studies: Mapping[str, Study], more: Iterable[str]) -> list[str]
 
 
 def asked_for(arguments: Sequence[str], studies: Iterable[Study]) -> set[str]:
-    """Return the names of the studies of which a command line of Snakemake names a rule or a file."""
+    """Return the names of the studies with a rule or a file that a command line of Snakemake names."""
     studies = list(studies)
     by_file = {study.name for study in studies if any(map(study.owns, arguments))}
     return by_file | asked_by_rule(arguments, studies)
 
 
 def asked_by_rule(arguments: Iterable[str], studies: Iterable[Study]) -> set[str]:
-    """Return the names of the studies of which a command line names a rule, with or without a workflow module's prefix.
+    """Return the names of the studies with a rule that a command line names, with or without a workflow module's prefix.
 
     Of rules with the same end, the longest name counts: `more_touches_all` is no rule of a study `touches`.
     """
@@ -45,7 +45,7 @@ def asked_by_rule(arguments: Iterable[str], studies: Iterable[Study]) -> set[str
 
 
 def _owners_of(rules: Iterable[str], owners: Mapping[str, str]) -> set[str]:
-    """Return the studies of rules, whose names may have a prefix; `owners` has the study of each rule."""
+    """Return the studies of rules. Names of rules may have a prefix; `owners` has the study of each rule."""
     found = set()
     for rule in rules:
         named = [name for name in owners if f"_{rule}".endswith(f"_{name}")]
