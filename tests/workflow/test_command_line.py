@@ -90,6 +90,11 @@ def test_the_callers_python_path_is_kept(monkeypatch):
         ),
         ({}, ["--config", "nosuch=1"], "error: --config: nosuch is no parameter."),
         ({}, ["-Cseed=yes"], "error: --config: seed (line 1) is yes"),
+        (
+            {},
+            ["--config", "workflow={studies: [palm]}"],
+            "error: workflow.studies: 'palm' is no study;",
+        ),
         ({}, ["--rerun-triggers", "params"], "--rerun-triggers allows only mtime"),
     ],
 )
