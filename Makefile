@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := report
-.PHONY: report why verify check test test-all test-hard golden test-slurm test-installed meshes gaze draws cues first_touch turned keep baselines bench wheels release paper readme params format lock clean
+.PHONY: report why verify check test test-all test-hard golden test-slurm test-installed meshes gaze draws cues first_touch learned turned keep baselines bench wheels release paper readme params format lock clean
 .PHONY: site lint lint-types lint-code lint-workflow installed-alone installed-dvc
 
 export PYTHON ?= python3
@@ -110,6 +110,13 @@ cues: $(READY)
 	@python -m visuohaptic.studies.keeping cues $(SET)
 	@python -m cues.make_page
 
+# The network of touches beside the fixed descriptors (studies/learned/README.md): make learned SET=benchmark
+learned: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs
+learned: $(READY)
+	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" -- results/learned.parquet
+	@python -m visuohaptic.studies.keeping learned $(SET)
+	@python -m learned.make_page
+
 # The first touch by ways to choose its place (studies/first_touch/README.md): make first_touch SET=benchmark
 first_touch: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs
 first_touch: $(READY)
@@ -149,6 +156,7 @@ readme: $(DEVELOP) report
 	python -m variants.make_page
 	python -m draws.make_page
 	python -m first_touch.make_page
+	python -m learned.make_page
 	python -m cues.make_page
 	python -m turned.make_page
 	python -m known_objects.make_page

@@ -294,7 +294,8 @@ def check_job_size(parameters: ExperimentParameters, source: str = "params.yaml"
 def _missing_directions(parameters: ExperimentParameters) -> Iterator[str]:
     """Yield a message if the frame has no roll but the descriptor lacks the directional bands to remove it."""
     recognition, features = parameters.recognition, parameters.features
-    if recognition.frame not in ROLLING_FRAMES or "order_free" not in recognition.pipelines:
+    has_descriptors = {"order_free", "learned"} & {*recognition.pipelines}
+    if recognition.frame not in ROLLING_FRAMES or not has_descriptors:
         return
     if "contourlet" not in recognition.order_free.cues:
         return

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from variants.design import LITERAL, Variant
 from visuohaptic.base.draw_names import name_of_draw
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS, ONE_CLASSIFIER
+from visuohaptic.studies.conditions import ONE_CLASSIFIER, PAPER_AND_OURS
 from visuohaptic.studies.study import Changes, Condition, Study, accuracies_step
 
 DRAWS = 20
@@ -22,7 +22,7 @@ RANDOM = ("random", "random_visible")
 
 def conditions(_run: ExperimentParameters) -> Iterator[Condition]:
     """Yield conditions with fixation and draw 0, and with all further draws, of both pipelines and of the literal variant."""
-    both = {**ONE_CLASSIFIER, "recognition.pipelines": tuple(HEADLINE_CLASSIFIERS)}
+    both = {**ONE_CLASSIFIER, "recognition.pipelines": PAPER_AND_OURS}
     yield from _with_draws("default", both, DRAWS)
     yield from _with_draws("literal", literal_changes(), LITERAL_DRAWS)
 

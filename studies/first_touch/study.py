@@ -13,7 +13,7 @@ from visuohaptic.fixations.probing import PLANNED
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import Frame
-from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS, ONE_CLASSIFIER
+from visuohaptic.studies.conditions import ONE_CLASSIFIER, PAPER_AND_OURS
 from visuohaptic.studies.study import Changes, Condition, Study, accuracies_step
 
 TOUCHES = (1, 2, 3, 5)
@@ -87,7 +87,7 @@ def _of_pose(
     registered = tuple(name for name in strategies if draw_of(name)[0] in PLANNED.names)
     for frame in frames or FRAMES[turns]:
         for touches in TOUCHES:
-            pipelines = tuple(HEADLINE_CLASSIFIERS) if frame == "full" else ("order_free",)
+            pipelines = PAPER_AND_OURS if frame == "full" else ("order_free",)
             yield Condition(
                 name_of(looking, turns, draw, frame, touches),
                 {

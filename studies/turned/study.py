@@ -9,7 +9,7 @@ from draws.study import literal_changes
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import Frame
-from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS, ONE_CLASSIFIER
+from visuohaptic.studies.conditions import ONE_CLASSIFIER, PAPER_AND_OURS
 from visuohaptic.studies.study import (
     DUMP_FOR_CONDITIONS,
     Changes,
@@ -92,9 +92,7 @@ def conditions(run: ExperimentParameters) -> Iterator[Condition]:
                         **RECOGNISED_BY[known],
                         "probing.strategies": STRATEGIES,
                         "recognition.touches": touches,
-                        "recognition.pipelines": tuple(HEADLINE_CLASSIFIERS)
-                        if is_headline
-                        else ("order_free",),
+                        "recognition.pipelines": PAPER_AND_OURS if is_headline else ("order_free",),
                     }
                     yield Condition(name_of(turns, draw, known, touches), changes)
             literal = {**pose, **literal_changes(), "probing.strategies": STRATEGIES}

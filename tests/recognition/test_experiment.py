@@ -214,7 +214,9 @@ def test_order_free_votes_by_probability_and_says_how_sure_it_is():
 
 
 def test_unknown_pipeline_is_refused_by_name():
-    with pytest.raises(RecognitionError, match="no pipeline worst; paper and order_free"):
+    with pytest.raises(
+        RecognitionError, match="no pipeline worst; paper, order_free and learned are"
+    ):
         recognition.run_pipeline(features_table(), SMALL, 1, "worst")
 
 

@@ -114,11 +114,7 @@ def describe_sequences(
     descriptors may know of the object's pose. Raises `RecognitionError` if a column of the pose is
     missing, no cue has a column, or the columns do not allow the frame.
     """
-    missing = [name for name in POSE if name not in names]
-    if missing:
-        raise RecognitionError(f"The features lack the columns {', '.join(missing)} of the pose.")
-    pose = features[:, :, [list(names).index(name) for name in POSE]]
-    points, normals = pose[:, :, :3], pose[:, :, 3:]
+    points, normals = pose_of(features, names)
     frame, cues = parameters.frame, parameters.order_free.cues
     nothing = np.zeros_like(points)
     makers = {
@@ -138,6 +134,34 @@ def describe_sequences(
             f"their columns, or the frame knows nothing of them; relations and embedding need only the pose."
         )
     return described
+
+
+def pose_of(features: FloatArray, names: Sequence[str]) -> tuple[FloatArray, FloatArray]:
+    """Return the points and the normals of touches: (s, t, k) to 2 × (s, t, 3).
+
+    Raises `RecognitionError` if a column of the pose is missing in `names`.
+    """
+    missing = [name for name in POSE if name not in names]
+    if missing:
+        raise RecognitionError(f"The features lack the columns {', '.join(missing)} of the pose.")
+    pose = features[:, :, [list(names).index(name) for name in POSE]]
+    return pose[:, :, :3], pose[:, :, 3:]
+
+
+def describe_touches(features: FloatArray, names: Sequence[str], frame: Frame) -> FloatArray:
+    """Compute bands, statistics of the imprint, logarithm of the sensor's size, and contact: (s, t, k) to (s, t, m).
+
+    In a frame without roll, bands and statistics are those of `roll_free`. Columns that `names` lacks are left out.
+    """
+    return np.concatenate(
+        [
+            _describe_bands(features, names, frame),
+            _describe_imprint(features, names, frame),
+            _log_size(features, names),
+            _columns(features, names, "contact_"),
+        ],
+        axis=-1,
+    )
 
 
 def pose_coordinates(points: FloatArray, normals: FloatArray) -> FloatArray:
@@ -244,6 +268,9 @@ def _columns(features: FloatArray, names: Sequence[str], prefix: str) -> FloatAr
 
 
 def _describe_sensor(features: FloatArray, names: Sequence[str]) -> FloatArray:
-    size = np.log(np.maximum(_columns(features, names, "sensor_size"), LEAST_SIZE))
     states = _columns(features, names, "contact_").mean(axis=1)
-    return np.concatenate([statistics(size), states], axis=1)
+    return np.concatenate([statistics(_log_size(features, names)), states], axis=1)
+
+
+def _log_size(features: FloatArray, names: Sequence[str]) -> FloatArray:
+    return np.log(np.maximum(_columns(features, names, "sensor_size"), LEAST_SIZE))

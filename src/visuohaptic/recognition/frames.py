@@ -211,7 +211,7 @@ def embed_rigid(points: FloatArray, normals: FloatArray, waves: WaveBasis) -> Fl
     """Embed the point pair features of all pairs: (s, w)."""
     pairs = both_ways(points, normals)
     nothing = np.zeros_like(pairs.distance)
-    return embed(_of_pairs(pairs, pairs.distance, nothing, nothing), waves)
+    return embed(pair_coordinates(pairs, pairs.distance, nothing, nothing), waves)
 
 
 def embed_central(points: FloatArray, normals: FloatArray, waves: WaveBasis) -> FloatArray:
@@ -222,7 +222,7 @@ def embed_central(points: FloatArray, normals: FloatArray, waves: WaveBasis) -> 
     touches = np.stack([radius, nothing, nothing, outward, nothing, nothing], axis=-1)
     pairs = both_ways(points, normals)
     ends = radius[:, pairs.first], radius[:, pairs.second]
-    paired = _of_pairs(pairs, pairs.distance, *ends)
+    paired = pair_coordinates(pairs, pairs.distance, *ends)
     return np.concatenate([embed(touches, waves), embed(paired, waves)], axis=1)
 
 
@@ -232,10 +232,10 @@ def embed_upright(points: FloatArray, normals: FloatArray, waves: WaveBasis) -> 
     touches = np.insert(upright[..., :5], 2, 0.0, axis=-1)
     pairs = both_ways(points, normals)
     level = np.hypot(pairs.step[..., 0], pairs.step[..., 2])
-    paired = _of_pairs(pairs, level, points[:, pairs.first, 1], points[:, pairs.second, 1])
+    paired = pair_coordinates(pairs, level, points[:, pairs.first, 1], points[:, pairs.second, 1])
     return np.concatenate([embed(touches, waves), embed(paired, waves)], axis=1)
 
 
-def _of_pairs(pairs: TouchPairs, *lengths: FloatArray) -> FloatArray:
+def pair_coordinates(pairs: TouchPairs, *lengths: FloatArray) -> FloatArray:
     """Stack three lengths, (s, p) each, and the three cosines of pairs: (s, p, 6)."""
     return np.stack([*lengths, pairs.leaving, pairs.arriving, pairs.agreement], axis=-1)

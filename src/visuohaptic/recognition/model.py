@@ -292,6 +292,10 @@ def fit_model(
     RegistryError
         If there is no such classifier.
     """
+    if pipeline == "learned":
+        raise RecognitionError(
+            "No model can be trained in pipeline learned; pipelines paper and order_free are allowed."
+        )
     strategies = tuple(features.column("strategy").unique().to_pylist())
     rows_of = [features.filter(pc.equal(features.column("strategy"), name)) for name in strategies]
     of_strategies = [gather_pipeline(part, parameters, pipeline, seed) for part in rows_of]

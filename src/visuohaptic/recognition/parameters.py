@@ -183,13 +183,32 @@ class OrderFreeParameters(Section):
     )
 
 
+class LearnedParameters(Section):
+    """A network of single touches, or of pairs of touches, beside the linear discriminant of `order_free`."""
+
+    units: int = Field(256, ge=1, le=10_000, description="Hidden units of the network")
+    passes: int = Field(40, ge=1, le=10_000, description="Passes over the training touches")
+    discriminant_weight: float = Field(
+        0.2,
+        ge=0,
+        description="Weight of the discriminant's log probabilities beside the network's",
+    )
+
+
+PipelineName = Literal["paper", "order_free", "learned"]
+
+TOUCH_NETWORK = "touch_network"
+"""Name of the classifier of pipeline `learned`."""
+
+
 class RecognitionParameters(Section):
     """Recognition from tables of touch features."""
 
-    pipelines: tuple[Literal["paper", "order_free"], ...] = Field(
+    pipelines: tuple[PipelineName, ...] = Field(
         ("paper", "order_free"),
         min_length=1,
-        description="Ways from features to an answer: that of the `paper`, and our own, `order_free`",
+        description="Ways from features to a class: that of the `paper`, and our own, `order_free`, of fixed "
+        "descriptors, and `learned`, with a network of touches",
     )
     classifiers: tuple[ClassifierName, ...] = Field(
         _PAPER_CLASSIFIERS,
@@ -204,7 +223,7 @@ class RecognitionParameters(Section):
     )
     frame: Frame = Field(
         "full",
-        description="What the descriptors may know of the object's pose (pipeline `order_free`); `none`: "
+        description="What the descriptors may know of the object's pose (pipelines `order_free` and `learned`); `none`: "
         "nothing, descriptors are the same for all rotations and translations; `centre`: the object's "
         "centre; `vertical`: centre and vertical, but no azimuth; `full`: the whole pose",
     )
@@ -227,8 +246,15 @@ class RecognitionParameters(Section):
     sequence: SequenceParameters = SequenceParameters()
     classifier: ClassifierParameters = ClassifierParameters()
     order_free: OrderFreeParameters = OrderFreeParameters()
+    learned: LearnedParameters = LearnedParameters()
     protocol: ProtocolParameters = ProtocolParameters()
     intervals: IntervalParameters = IntervalParameters()
+
+    def classifiers_of(self, pipeline: str) -> tuple[str, ...]:
+        """Return the names of the classifiers that a pipeline compares."""
+        if pipeline == "paper":
+            return self.classifiers
+        return (TOUCH_NETWORK,) if pipeline == "learned" else self.order_free.classifiers
 
 
 def least_objects(coverage: float) -> int:

@@ -1,4 +1,4 @@
-"""The two pipelines of recognition as unfitted scikit-learn parts, and class probabilities of fitted classifiers."""
+"""The pipelines of recognition as unfitted scikit-learn parts, and class probabilities of fitted classifiers."""
 
 from __future__ import annotations
 
@@ -8,21 +8,24 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 from sklearn.calibration import CalibratedClassifierCV
 from sklearn.decomposition import PCA
+from sklearn.neural_network import MLPClassifier
 from sklearn.pipeline import Pipeline
-from sklearn.preprocessing import StandardScaler
+from sklearn.preprocessing import FunctionTransformer, StandardScaler
 
 from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import RecognitionError
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.recognition.classifier_parameters import ClassifierParameters
 from visuohaptic.recognition.classifiers import CLASSIFIERS, Classifier
-from visuohaptic.recognition.descriptors import describe_all
+from visuohaptic.recognition.descriptors import describe_all, draw_waves
 from visuohaptic.recognition.encoding import SequenceEncoder
-from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.parameters import TOUCH_NETWORK, RecognitionParameters
 from visuohaptic.recognition.sequences import TouchSequences
 from visuohaptic.recognition.splits import held_out_folds
+from visuohaptic.recognition.touch_network import TouchNetwork, learned_rows
 
 logger = logging.getLogger(__name__)
 
@@ -61,13 +64,13 @@ class RecognitionPipeline(Protocol):
     def classifiers(self) -> Mapping[str, Any]:
         """Unfitted classifiers of prepared rows, by name."""
 
-    def rows(self, sequences: TouchSequences) -> FloatArray:
-        """Return the input of `preparation`, one row per sequence; nothing is fitted."""
+    def rows(self, sequences: TouchSequences) -> Any:
+        """Return the input of `preparation`, an array with one row per sequence; nothing is fitted."""
 
     def seeds(self, generator: np.random.Generator) -> dict[str, int]:
         """Return the seed of each classifier's fit."""
 
-    def log_probabilities(self, fitted: Any, rows: FloatArray, classes: int) -> FloatArray | None:
+    def log_probabilities(self, fitted: Any, rows: Any, classes: int) -> FloatArray | None:
         """Return the log probability of each class, (n, classes), if the pipeline has probabilities."""
 
 
@@ -142,6 +145,38 @@ class OrderFreePipeline:
         return log_probabilities(fitted, rows, classes)
 
 
+@dataclass(frozen=True)
+class LearnedPipeline:
+    """Our pipeline with a network of touches or of pairs of touches, beside the discriminant of `order_free`."""
+
+    parameters: RecognitionParameters
+    seed: int
+    preparation: FunctionTransformer
+    classifiers: Mapping[str, Any]
+    name: str = "learned"
+
+    @classmethod
+    def of(cls, parameters: RecognitionParameters, seed: int) -> LearnedPipeline:
+        """Return the pipeline of some parameters; `seed` draws the waves of the descriptors and of pairs."""
+        learned = parameters.learned
+        network = MLPClassifier((learned.units,), max_iter=learned.passes)
+        classifier = TouchNetwork(network, make_order_free(), learned.discriminant_weight)
+        return cls(parameters, seed, FunctionTransformer(), {TOUCH_NETWORK: classifier})
+
+    def rows(self, sequences: TouchSequences) -> NDArray[np.void]:
+        """Compute the descriptors and the elements of sequences: (s,), by `learned_rows`."""
+        waves = draw_waves(self.parameters.order_free, self.seed)
+        return learned_rows(sequences.features, sequences.feature_names, waves, self.parameters)
+
+    def seeds(self, generator: np.random.Generator) -> dict[str, int]:
+        """Return the seed of the network's fit."""
+        return {name: int(generator.integers(2**31)) for name in self.classifiers}
+
+    def log_probabilities(self, fitted: Any, rows: Any, classes: int) -> FloatArray:
+        """Return log probabilities: (n,) to (n, classes), `LEAST_LOG_PROBABILITY` for classes without training."""
+        return log_probabilities(fitted, rows, classes)
+
+
 def make_order_free(classifier: str = "linear_discriminant") -> Pipeline:
     """Return an unfitted scikit-learn pipeline for descriptors, such as `touch_descriptors` computes.
 
@@ -176,15 +211,19 @@ def fit_calibrated(classifier: Any, rows: FloatArray, labels: IntArray, owners: 
 
 
 def pipeline_of(name: str, parameters: RecognitionParameters, seed: int) -> RecognitionPipeline:
-    """Return pipeline ``paper`` or ``order_free``. Raises `RecognitionError` for other names."""
+    """Return pipeline ``paper``, ``order_free`` or ``learned``. Raises `RecognitionError` for other names."""
     if name == "paper":
         return PaperPipeline.of(parameters)
     if name == "order_free":
         return OrderFreePipeline.of(parameters, seed)
-    raise RecognitionError(f"There is no pipeline {name}; paper and order_free are allowed.")
+    if name == "learned":
+        return LearnedPipeline.of(parameters, seed)
+    raise RecognitionError(
+        f"There is no pipeline {name}; paper, order_free and learned are allowed."
+    )
 
 
-def log_probabilities(fitted: Any, rows: FloatArray, classes: int) -> FloatArray:
+def log_probabilities(fitted: Any, rows: Any, classes: int) -> FloatArray:
     """Compute log probabilities of a fitted classifier whose classes are numbers below `classes`: (n, classes)."""
     if hasattr(fitted, "predict_proba"):
         with np.errstate(divide="ignore"):  # a leaf of a tree may hold one class only

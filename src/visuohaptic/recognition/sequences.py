@@ -83,7 +83,7 @@ def gather_pipeline(
 ) -> TouchSequences:
     """Gather the sequences of one strategy with the columns that a pipeline uses.
 
-    ``paper`` uses the paper's 22 features. ``order_free`` also uses columns ``imprint_…``, ``sensor_size`` and
+    ``paper`` uses the paper's 22 features. ``order_free`` and ``learned`` also use columns ``imprint_…``, ``sensor_size`` and
     ``contact_state`` if they exist. Viewpoints with fewer touches than a sequence are left out, with a warning in the
     log. Raises `RecognitionError` if there is no such pipeline, or no whole sequence.
     """
@@ -96,7 +96,7 @@ def gather_pipeline(
         parts = {"kinesthetic": ("position", "normal")}
         known = {part for cue in parameters.cues for part in parts.get(cue, (cue,))}
         names = [name for part in columns if part in known for name in columns[part]]
-    elif pipeline == "order_free":
+    elif pipeline in {"order_free", "learned"}:
         features = spread_contact_states(features)
         extra = [
             name
@@ -106,7 +106,7 @@ def gather_pipeline(
         names = [*bands, *KINESTHETIC_FEATURES, *extra]
     else:
         raise RecognitionError(
-            f"There is no pipeline {pipeline}; paper and order_free are allowed."
+            f"There is no pipeline {pipeline}; paper, order_free and learned are allowed."
         )
     sequences = gather_sequences(features, names, parameters.touches)
     return sequences if parameters.order == "kept" else shuffle_touches(sequences, seed)

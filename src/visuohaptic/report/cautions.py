@@ -134,11 +134,14 @@ def _short_sequences(run: Run) -> list[str]:
 
 def _unfitted_classifiers(run: Run) -> Iterator[str]:
     recognition = run.parameters.recognition
-    chosen = {"paper": recognition.classifiers, "order_free": recognition.order_free.classifiers}
     for pipeline, strategies in run.metrics["results"].items():
         fitted = {name for classifiers in strategies.values() for name in classifiers}
         yield from _warned(
-            [name.replace("_", " ") for name in chosen.get(pipeline, ()) if name not in fitted],
+            [
+                name.replace("_", " ")
+                for name in recognition.classifiers_of(pipeline)
+                if name not in fitted
+            ],
             "classifier",
             f"of pipeline {pipeline} left out, because the training sequences don't allow a fit:",
         )

@@ -16,7 +16,7 @@ WORDS: Mapping[str, str] = {
     "error rate": "The share that is not correctly classified.",
     "fixation": "A place at which the attention model rests; the first is the most salient.",
     "imprint": "The tactile image of one touch: depth or pressure at each taxel.",
-    "pipeline": "A way from features to a class: `paper` follows the paper, `order_free` is our own.",
+    "pipeline": "A way from features to a class: `paper` follows the paper; `order_free` and `learned` are our own.",
     "prediction set": "The named class and further classes, which together hold the true class at least at a stated rate.",
     "saliency map": "The weighted sum of the conspicuity maps.",
     "scene": "The world in which a touch happens: cover, electronics, wear; `ideal` has none.",

@@ -19,6 +19,7 @@ from visuohaptic.base.errors import ParameterError
 from visuohaptic.base.wrong_values import unknown_parameter
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.phases import OF_OBJECT
+from visuohaptic.recognition.parameters import TOUCH_NETWORK
 from visuohaptic.studies.study import Changes, Condition, Study
 
 AS_RUN = "as run"
@@ -27,9 +28,14 @@ AS_RUN = "as run"
 HEADLINE_CLASSIFIERS: Mapping[str, str] = {
     "paper": "support_vector_machine",
     "order_free": "linear_discriminant",
+    "learned": TOUCH_NETWORK,
 }
 """The classifier of each pipeline whose accuracy is compared between conditions. Pipeline `paper`: the paper's most
-accurate classifier. Pipeline `order_free`: chosen on separate objects (studies/classifier_settings)."""
+accurate classifier. Pipeline `order_free`: chosen on separate objects (studies/classifier_settings). Pipeline `learned`
+has one classifier."""
+
+PAPER_AND_OURS = ("paper", "order_free")
+"""The pipelines that a run compares by default."""
 
 ONE_CLASSIFIER: Changes = {
     "recognition.classifiers": (HEADLINE_CLASSIFIERS["paper"],),
@@ -216,10 +222,10 @@ def is_measured_by_run(planned: Planned, run: ExperimentParameters) -> bool:
         (needed.pipelines, own.pipelines),
         (planned.parameters.probing.strategies, run.probing.strategies),
     ]
-    if "paper" in needed.pipelines:
-        names_needed_and_run.append((needed.classifiers, own.classifiers))
-    if "order_free" in needed.pipelines:
-        names_needed_and_run.append((needed.order_free.classifiers, own.order_free.classifiers))
+    names_needed_and_run += [
+        (needed.classifiers_of(pipeline), own.classifiers_of(pipeline))
+        for pipeline in needed.pipelines
+    ]
     if not all({*names} <= {*names_of_run} for names, names_of_run in names_needed_and_run):
         return False
     own_with_same_names = own.model_copy(

@@ -206,9 +206,7 @@ def measure_conditions(
             try:
                 yield from cell_rows(key, predict(), planned.condition.votes)
             except REFUSALS as refusal:
-                paper = pipeline == "paper"
-                names = recognition.classifiers if paper else recognition.order_free.classifiers
-                yield error_rows(key, names, str(refusal))
+                yield error_rows(key, recognition.classifiers_of(pipeline), str(refusal))
 
 
 def predict_condition(

@@ -1,0 +1,1 @@
+"""The network of touches beside the fixed descriptors of `order_free`."""

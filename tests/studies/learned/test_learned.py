@@ -1,0 +1,52 @@
+"""The conditions of study `learned`, the table that it keeps, and the page from this table."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from studies.surfaces import RUN
+
+from classifier_settings.half import choosing_objects
+from learned.accuracies import arrange
+from learned.study import FRAMES, PIPELINES, STRATEGIES, TOUCHES, conditions
+from visuohaptic.base.errors import ReportError
+from visuohaptic.studies.figures import Cell
+
+FOLDER = Path(__file__).parents[3] / "studies/learned"
+
+
+def test_each_frame_and_number_of_touches_is_a_condition_of_both_pipelines():
+    changes = {one.name: one.changes for one in conditions(RUN)}
+    assert set(changes) == {f"{frame} {touches}" for frame in FRAMES for touches in TOUCHES}
+    assert changes["none 5"]["recognition.frame"] == "none"
+    assert changes["none 5"]["recognition.touches"] == 5
+    assert {one["recognition.pipelines"] for one in changes.values()} == {PIPELINES}
+
+
+def test_rows_name_their_condition_and_a_failed_condition_is_named():
+    key = ("none 5", "learned", "fixation", "touch_network")
+    cell = Cell((("box", "a"), ("cup", "b")), np.array([0.5, 1.0]), np.ones(2))
+    (first, _) = arrange({key: cell}).to_pylist()
+    assert first == {
+        "frame": "none", "touches": 5, "pipeline": "learned", "strategy": "fixation",
+        "object": "box/a", "accuracy": 0.5, "weight": 1.0,
+    }  # fmt: skip
+    failed = Cell((), np.empty(0), np.empty(0), error="no sequence")
+    with pytest.raises(ReportError, match="Condition none 5 could not be measured: no sequence"):
+        arrange({key: failed})
+
+
+@pytest.mark.parametrize("path", sorted(FOLDER.glob("kept_*.parquet")), ids=lambda path: path.stem)
+def test_the_page_has_the_accuracies_of_objects_that_chose_nothing(path):
+    rows = pd.read_parquet(path)
+    rows = rows[~rows["object"].isin(choosing_objects())]
+    lines = re.findall(r"\| (\d+) \|(.*)\|", (FOLDER / "README.md").read_text())
+    said = [text for number, text in lines if int(number) == rows["object"].nunique()]
+    assert len(said) == len(FRAMES) * len(TOUCHES) * len(STRATEGIES)
+    whole = rows[(rows["frame"] == "full") & (rows["touches"] == 5)]
+    for pipeline in PIPELINES:
+        chosen = whole[(whole["pipeline"] == pipeline) & (whole["strategy"] == "fixation")]
+        mean = 100 * np.average(chosen["accuracy"], weights=chosen["weight"])
+        assert f"{mean:.1f} %" in said[0]
