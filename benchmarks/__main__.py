@@ -12,7 +12,16 @@ from pathlib import Path
 from visuohaptic.report.provenance import describe_machine
 
 RESULTS = Path(__file__).parent / "results.json"
-BENCHMARKS = ("attention", "contourlet", "kernels", "looking", "precision", "sensor", "workflow")
+BENCHMARKS = (
+    "attention",
+    "contourlet",
+    "environment",
+    "kernels",
+    "looking",
+    "precision",
+    "sensor",
+    "workflow",
+)
 PACKAGES = ("numpy", "open3d-cpu", "opencv-contrib-python-headless", "scikit-learn", "snakemake")
 
 

@@ -12,6 +12,7 @@ ROOT = Path(__file__).parents[1]
 SMALLEST = {
     "attention": {"RESOLUTIONS": (64, 128)},
     "contourlet": {"ROUNDS": 1},
+    "environment": {"ROWS": (1, 2), "STEPS": 2},
     "kernels": {"MESHES": ROOT / "meshes/paper/bottle", "ROUNDS": 1},
     "looking": {"MESHES": ROOT / "meshes/paper/bottle"},
     "precision": {"RAYS": 200, "TOUCHES": 2, "IMAGES": 8},

@@ -22,13 +22,14 @@ TO_RUN = [
 ]
 TO_DEVELOP = [
     *TO_RUN,
-    *(wanted for name in ("s3", "gymnasium", "dev") for wanted in EXTRAS[name]),
+    *(wanted for name in ("s3", "environment", "dev") for wanted in EXTRAS[name]),
 ]
 OWN = {"contourlets", "meshreaders", "visuohaptic", "visuohaptic_workflow"}
 # Files that import packages of an extra, and the file that refuses in a sentence without these.
 OF_AN_EXTRA = {
     f"{folder}/{start}": (extra, f"{folder}/{refusing}")
     for folder, start, extra, refusing in (
+        ("src/visuohaptic", "environment/", "environment", "environment/__init__.py"),
         ("src/visuohaptic", "geometry/compiled_open3d.py", "open3d", "geometry/compiled_open3d.py"),
         ("src/visuohaptic", "report/", "report", "cli/report.py"),
         ("src/visuohaptic", "report/compare_runs.py", "workflow", "report/compare_runs.py"),
@@ -107,11 +108,12 @@ def extras_of(path):
 def imports_without_a_requirement():
     """List what sources import and neither the core nor an extra that they may use asks for."""
     distributions = packages_distributions()
-    locked = set(pinned("requirements.lock"))
+    # Packages of extras that `make` does not install are pinned for development only.
+    locked, developed = (set(pinned(f"requirements{kind}.lock")) for kind in ("", "-dev"))
     for path in SOURCES:
         extras = extras_of(path)
-        of_extras = (one for extra in extras for one in EXTRAS[extra])
-        allowed = names_of([*PROJECT["project"]["dependencies"], *of_extras]) & locked
+        of_extras = names_of(one for extra in extras for one in EXTRAS[extra])
+        allowed = (names_of(PROJECT["project"]["dependencies"]) & locked) | (of_extras & developed)
         for name in imported_packages(path):
             # What isn't installed can only be looked for by the name imported.
             own = {canonicalize_name(found) for found in distributions.get(name, [name])}

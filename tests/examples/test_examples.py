@@ -20,7 +20,6 @@ PRINTED = {
     "closest": r"2\.\d+( 2\.\d+){4}",
     "extra_trees": "cup lamp",
     "grid_means": r"16( 0\.\d+){5}",
-    "gymnasium_environment": r"4 touches, mean loss \d\.\d+",
     "principal": r"\(20, 5, 3\) 2\d\.\d 2\d\.\d 2\d\.\d",
     "redness": r"red 1\.0 blue 0\.0",
     "torch_classifier": r"1\.0",

@@ -13,6 +13,9 @@ import visuohaptic_workflow
 # What needs an extra that `make` does not bring refuses in a sentence before it imports these.
 OF_AN_EXTRA = {
     "meshreaders.formats.collada",
+    "visuohaptic.environment.registration",
+    "visuohaptic.environment.single",
+    "visuohaptic.environment.vector",
 }
 
 

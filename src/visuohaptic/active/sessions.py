@@ -32,10 +32,9 @@ from visuohaptic.base.bounded_loops import turns
 from visuohaptic.base.errors import PolicyError
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.fixations.parameters import ViewpointParameters
-from visuohaptic.fixations.places import Unreachable
+from visuohaptic.fixations.places import Unreachable, nearest_places
 from visuohaptic.fixations.strategies.farthest_point import spread_far
 from visuohaptic.fixations.viewpoints import place_cameras
-from visuohaptic.geometry.orientation import orient_outwards
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.scene.parameters import Scene
@@ -286,19 +285,37 @@ def start_sessions(
     unreachable: Unreachable,
 ) -> list[PolicySession]:
     """Return one session without tries per policy and viewpoint of an object, policy after policy."""
-    caster, cameras = subject.caster, place_cameras(viewpoints)
     sessions = []
     for policy in policies:
-        random_stream = policy.random_stream or policy.name
-        spread = spawn_generator(seed, "places", random_stream, subject.key)
-        # All viewpoints of the object share these locations. They are computed when a policy first reads them.
-        find_places = cache(partial(spread_far, caster.surface, PLACES, spread))
-        for number in subject.viewpoints:
-            generator = spawn_generator(seed, random_stream, subject.key, number)
-            view = PolicyView(caster, cameras[number], generator, find_places)
-            treatment = policy.unreachable or unreachable
-            sessions.append(PolicySession(subject.key, number, policy, view, treatment))
+        treatment = policy.unreachable or unreachable
+        views = policy_views(subject, policy.random_stream or policy.name, viewpoints, seed)
+        sessions += [
+            PolicySession(subject.key, number, policy, view, treatment)
+            for number, view in views.items()
+        ]
     return sessions
+
+
+def policy_views(
+    subject: Subject, random_stream: str, viewpoints: ViewpointParameters, seed: int
+) -> dict[int, PolicyView]:
+    """Return the view of a policy at each viewpoint of an object, by number of the viewpoint.
+
+    The views share the locations that are spread over the object. They are computed when a view first reads them.
+    `random_stream` is the name from which all random numbers are seeded, together with `seed`.
+    """
+    caster, cameras = subject.caster, place_cameras(viewpoints)
+    spread = spawn_generator(seed, "places", random_stream, subject.key)
+    find_places = cache(partial(spread_far, caster.surface, PLACES, spread))
+    return {
+        number: PolicyView(
+            caster,
+            cameras[number],
+            spawn_generator(seed, random_stream, subject.key, number),
+            find_places,
+        )
+        for number in subject.viewpoints
+    }
 
 
 def _try_locations(
@@ -311,10 +328,10 @@ def _try_locations(
 ) -> None:
     """Make one try per session at the surface's nearest point, and record it in the session and in `tries`."""
     sessions, points = [*chosen], np.stack([*chosen.values()])
-    locations, faces = caster.nearest(points)
+    located = nearest_places(caster, points)
+    locations, normals, faces = located.points, located.normals, located.faces
     for session, point, location in zip(sessions, points, locations, strict=True):
         session.check_location(point, location)
-    normals = orient_outwards(caster, locations, caster.surface.face_normals[faces])
     reached = reachable(caster, locations, normals, sensor, faces)
     keeps = [session.unreachable == "keep" for session in sessions]
     rows = np.flatnonzero(reached | keeps)
@@ -322,22 +339,32 @@ def _try_locations(
     tries.numbers += [sessions[row].touches for row in rows]
     for session, location, normal, face in zip(sessions, locations, normals, faces, strict=True):
         tries.rows.append(session.fixation_row(location, normal, face))
-        session.felt.append(Felt(_read_only(location), _read_only(normal), acquired=False))
+        session.felt.append(felt_nothing(location, normal))
     if not len(rows):
         return
     fields = RandomFields(seed, [sessions[row].random_key for row in rows])
     touches = touch(caster, locations[rows], normals[rows], sensor, scene, fields, faces[rows])
     tries.batches.append(touches)
     for index, row in enumerate(rows):
-        sessions[row].felt[-1] = Felt(
-            _read_only(locations[row]),
-            _read_only(touches.normals[index]),
-            bool(reached[row]),
-            _read_only(touches.images[index]),
-            float(touches.size[index]),
-            str(touches.contact_state[index]),
-        )
+        sessions[row].felt[-1] = felt_touch(locations[row], touches, index, acquired=reached[row])
         sessions[row].touches += 1
+
+
+def felt_touch(point: FloatArray, touches: Touches, index: int, *, acquired: bool) -> Felt:
+    """Return what a policy is told of one of `touches`, which was made at `point` (3,); `acquired` as in `Felt`."""
+    return Felt(
+        _read_only(point),
+        _read_only(touches.normals[index]),
+        bool(acquired),
+        _read_only(touches.images[index]),
+        float(touches.size[index]),
+        str(touches.contact_state[index]),
+    )
+
+
+def felt_nothing(point: FloatArray, normal: FloatArray) -> Felt:
+    """Return what a policy is told of a try at `point` (3,) with the outward unit `normal` (3,) that was passed over."""
+    return Felt(_read_only(point), _read_only(normal), acquired=False)
 
 
 def _read_only(array: NDArray[Any]) -> NDArray[Any]:

@@ -107,3 +107,10 @@ def face_outwards(caster: RayCaster, locations: ProbingLocations) -> ProbingLoca
     """Flip normals that point into the object."""
     outwards = orient_outwards(caster, locations.points, locations.normals)
     return ProbingLocations(locations.points, outwards, locations.faces)
+
+
+def nearest_places(caster: RayCaster, points: FloatArray) -> ProbingLocations:
+    """Return the places of the surface nearest to points (n, 3), with outward normals of their faces."""
+    nearest, faces = caster.nearest(points)
+    outwards = orient_outwards(caster, nearest, caster.surface.face_normals[faces])
+    return ProbingLocations(nearest, outwards, faces)

@@ -1,0 +1,196 @@
+"""Policies of the experiment run in the environment, and agents in the experiment, with equal touches."""
+
+import numpy as np
+import pytest
+
+import visuohaptic as vh
+from visuohaptic.active.policies import Policy
+from visuohaptic.active.registry import STRATEGIES
+from visuohaptic.base.errors import ParameterError, RegistryError
+from visuohaptic.environment import PolicyAgent, TouchEnv, TouchVectorEnv, agent_policy
+
+POLICIES = [one.name for one in STRATEGIES if isinstance(one, Policy)]
+PARAMETERS = {
+    "viewpoints.count": 2,
+    "rendering.resolution": 64,
+    "sensor.resolution": 16,
+    # Noise differs between touches.
+    "scene.preset": "worn_fsr",
+}
+NAMES = ("chair", "bottle")
+
+
+@pytest.fixture(scope="module")
+def objects():
+    return [vh.example(name) for name in NAMES]
+
+
+@pytest.fixture
+def registered(monkeypatch):
+    """Register policies for one test."""
+
+    def add(policy):
+        entries = {one.name: one for one in STRATEGIES._entries.values()} | {policy.name: policy}
+        monkeypatch.setattr(STRATEGIES, "_entries", entries)
+        return policy.name
+
+    return add
+
+
+def touched(thing, name, viewpoint, parameters=PARAMETERS):
+    """Return imprints and points of the experiment's touches from a viewpoint."""
+    felt = thing.touch(strategy=name, parameters=parameters)
+    rows = [
+        index for index, row in enumerate(felt.touches.to_pylist()) if row["viewpoint"] == viewpoint
+    ]
+    points = np.stack([felt.touches.column(axis).to_numpy() for axis in "xyz"], axis=1)
+    return felt.imprints[rows], points[rows]
+
+
+def felt_in(episode):
+    made = [one for one in episode.felt if one.imprint is not None]
+    return np.stack([one.imprint for one in made]), np.stack([one.point for one in made])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", POLICIES)
+def test_a_policy_makes_the_touches_of_the_experiment_bit_for_bit(objects, name):
+    environment = TouchVectorEnv(
+        4, objects, "all", PARAMETERS, action="point", sight=(), touches=5, random_stream=name
+    )
+    keys = [one.key for one in objects for _ in range(2)]
+    environment.reset(seed=0, options={"object": keys, "viewpoint": [0, 1, 0, 1], "draw": 0})
+    agent, logits = PolicyAgent(environment, name), np.zeros((4, 2))
+    for _ in range(5):
+        environment.step({"action": np.stack(agent.choose()), "prediction": logits})
+    for row, episode in enumerate(environment.episodes):
+        images, points = felt_in(episode)
+        expected = touched(objects[row // 2], name, row % 2)
+        assert np.array_equal(images, expected[0][: len(images)])
+        assert np.array_equal(points, expected[1][: len(points)])
+        assert len(images) >= 3
+
+
+def by_imprint(remembered=None):
+    """Return an agent that goes on in the direction that the last imprint tells, and remembers where it was."""
+    before = [] if remembered is None else remembered
+
+    def act(seen):
+        before.append(float(seen["imprint"].mean()))
+        valid = np.flatnonzero(seen["valid"][:-1])
+        if len(before) == 3:
+            # A place that was touched, or is out of reach: a try without a touch.
+            return int(np.flatnonzero(seen["valid"] == 0)[0])
+        step = round(1e3 * sum(before)) + seen["view"].shape[0] + int(seen["contact"])
+        return int(valid[step % len(valid)])
+
+    return act
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("sight", [("view", "saliency", "fixations", "places"), ("places", "view")])
+def test_an_agent_makes_the_same_touches_as_a_strategy_and_in_the_environment(
+    objects, registered, sight
+):
+    settings = {"touches": 5, "sight": sight, "places": 20}
+    name = registered(agent_policy("by_imprint", "by imprint", by_imprint, PARAMETERS, **settings))
+    environment = TouchEnv(
+        objects=objects, split="all", parameters=PARAMETERS, random_stream=name, **settings
+    )
+    for thing in objects:
+        options = {"object": thing.key, "viewpoint": 1, "draw": 0}
+        seen, _ = environment.reset(options=options)
+        agent, ended = by_imprint(), False
+        for _ in range(5):
+            action = {"action": agent(seen), "prediction": [0, 0]}
+            seen, _, ended, _, _ = environment.step(action)
+        assert not ended
+        images, points = felt_in(environment.vector.episodes[0])
+        expected = touched(thing, name, 1)
+        assert np.array_equal(images, expected[0])
+        assert np.array_equal(points, expected[1])
+        assert 3 <= len(images) <= 5
+
+
+@pytest.mark.slow
+def test_an_agent_that_points_makes_the_same_touches_and_stops_after_its_tries(objects, registered):
+    def looker():
+        aims = iter([[0.1, 0.2], [0.99, 0.99], [-0.1, 0.0], [0.0, -0.2], [0.05, 0.3]])
+        return lambda seen: next(aims)
+
+    settings = {"touches": 4, "sight": (), "action": "direction"}
+    name = registered(agent_policy("looker", "looks", looker, PARAMETERS, **settings))
+    environment = TouchEnv(
+        objects=objects, split="all", parameters=PARAMETERS, random_stream=name, **settings
+    )
+    environment.reset(options={"object": objects[1].key, "viewpoint": 0, "draw": 0})
+    agent = looker()
+    for _ in range(4):
+        environment.step({"action": agent(None), "prediction": [0, 0]})
+    images, points = felt_in(environment.vector.episodes[0])
+    expected = touched(objects[1], name, 0)
+    assert np.array_equal(images, expected[0])
+    assert np.array_equal(points, expected[1])
+    # The second direction is beside the object.
+    assert 1 <= len(images) <= 3
+
+
+def test_an_agent_that_ends_its_episode_ends_the_sequence(objects, registered):
+    def one_touch():
+        left = iter([0, 1])
+
+        def act(seen):
+            valid = np.flatnonzero(seen["valid"])
+            return valid[0] if next(left) == 0 else valid[-1]
+
+        return act
+
+    settings = {"sight": ("places",), "places": 20}
+    name = registered(agent_policy("one_touch", "one touch", one_touch, PARAMETERS, **settings))
+    images, _ = touched(objects[0], name, 0)
+    assert len(images) == 1
+
+
+@pytest.mark.parametrize(
+    ("settings", "sentence"),
+    [
+        ({"action": "place"}, "action is 'place'; a policy needs"),
+        ({"action": "point", "frame": "centre"}, "frame is 'centre' and noise is 0"),
+        ({"action": "point", "noise": 0.01}, "frame is 'full' and noise is 0.01"),
+    ],
+)
+def test_a_policy_needs_the_objects_own_frame_and_points(objects, settings, sentence):
+    environment = TouchEnv(objects=objects, split="all", parameters=PARAMETERS, **settings)
+    with pytest.raises(ParameterError, match=sentence):
+        PolicyAgent(environment, "seek_relief")
+
+
+def test_an_agent_of_another_frame_and_a_strategy_that_is_no_policy_are_refused(objects):
+    with pytest.raises(ParameterError, match="frame is 'none'"):
+        agent_policy("far", "far", by_imprint, PARAMETERS, frame="none")
+    environment = TouchEnv(objects=objects, split="all", parameters=PARAMETERS, action="point")
+    with pytest.raises(RegistryError, match="a policy is needed"):
+        PolicyAgent(environment, "fixation")
+
+
+def test_a_policy_starts_anew_in_the_next_episode_and_stops_where_it_likes(objects, registered):
+    calls = []
+
+    def two(view, tries):
+        calls.append((view, len(tries)))
+        return view.places.points[len(tries)] if len(tries) < 2 else None
+
+    name = registered(Policy("two", "two touches", two))
+    environment = TouchEnv(
+        objects=objects, split="all", parameters=PARAMETERS, action="point", sight=(), touches=9
+    )
+    agent = PolicyAgent(environment, name)
+    for seed in (0, 1):
+        environment.reset(seed=seed)
+        for _ in range(2):
+            [point] = agent.choose()
+            environment.step({"action": point, "prediction": [0, 0]})
+        assert agent.choose() == [None]
+        assert agent.choose() == [None]
+    assert [count for _, count in calls] == [0, 1, 2, 0, 1, 2]
+    assert len({view for view, _ in calls}) == 2
