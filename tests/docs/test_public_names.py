@@ -17,7 +17,7 @@ PACKAGES = (
         "visuohaptic",
         *(
             f"visuohaptic.{name}"
-            for name in ("attention", "fixations", "recognition", "scene", "sensor")
+            for name in ("attention", "environment", "fixations", "recognition", "scene", "sensor")
         ),
     ),
 )

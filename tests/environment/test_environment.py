@@ -30,7 +30,6 @@ PARAMETERS = {
     "sensor.resolution": 8,
     "attention.fixations": 2,
 }
-register()
 
 
 def shape(key, mesh):

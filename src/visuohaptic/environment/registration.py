@@ -1,4 +1,4 @@
-"""Registration of ``visuohaptic/Touch-v0``; Gymnasium calls `register` by the entry point of this package."""
+"""Registration of ``visuohaptic/Touch-v0``."""
 
 from __future__ import annotations
 

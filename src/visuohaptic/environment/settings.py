@@ -36,7 +36,7 @@ class TouchSettings(Section):
         64,
         ge=1,
         le=256,
-        description="Candidate places beside the fixations, spread over what is seen",
+        description="Candidate places beside the fixations, spread over the visible surface",
     )
     frame: Frame = Field(
         "full",

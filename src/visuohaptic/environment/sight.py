@@ -86,7 +86,7 @@ class Sight:
     policy_view : PolicyView
         The surface and the camera.
     candidates : Landing, or None
-        The k candidate places: the fixations, then places that are spread over what is seen. None without any.
+        The k candidate places: the fixations, then places that are spread over the visible surface. None without any.
     index : ndarray of shape (k,), int64
         Index of each candidate among all candidates that an action may name; the others do not exist.
     pictures : mapping of str to ndarray
@@ -185,7 +185,7 @@ class Body:
         return {}
 
     def sight(self, viewpoint: int) -> Sight:
-        """Return what is seen from a viewpoint."""
+        """Return the sight from a viewpoint."""
         if viewpoint not in self._sights:
             self._sights[viewpoint] = look(self._views[viewpoint], self.settings, self.parameters)
         return self._sights[viewpoint]

@@ -257,7 +257,7 @@ class TouchVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         return Body(key, lambda: turn_surface(read(), rotation), self.settings, self.parameters)
 
     def _start(self, row: int, chosen: Mapping[str, Any]) -> Episode:
-        """Draw the next episode of a row; values of `chosen` replace what is drawn."""
+        """Draw the next episode of a row; values of `chosen` replace drawn values."""
         generator, turns = self.generators[row], self.settings.turns
         drawn = {
             "object": self.keys[generator.integers(len(self.keys))],
@@ -425,7 +425,7 @@ class TouchVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         return sense(placed, sensor, scene, fields)
 
     def _look(self, rows: Sequence[int]) -> None:
-        """Copy what is seen in new episodes; arrays that were returned before stay as they are."""
+        """Copy the pictures and places of new episodes; arrays that were returned before stay unchanged."""
         seen = {row: self.episodes[row].observe_sight() for row in rows}
         if len(seen) == self.num_envs:
             self._seen = {
