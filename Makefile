@@ -161,6 +161,7 @@ readme: $(DEVELOP) report
 	python -m turned.make_page
 	python -m known_objects.make_page
 	python -m baselines.make_page
+	python -m touch_agents.make_page
 	python docs/make_claims.py
 	python docs/make_two_questions.py
 	python docs/make_probing.py

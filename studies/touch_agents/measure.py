@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +28,9 @@ from visuohaptic.evaluation.intervals import (
     plain_comparison,
     plain_interval,
 )
+from visuohaptic.evaluation.metrics import round_numbers
 from visuohaptic.exploration.exploring import TouchableObject, load
+from visuohaptic.io.checkout import find_commit
 from visuohaptic.parameters import ExperimentParameters, as_parameters
 from visuohaptic.recognition.experiment import predict_splits
 from visuohaptic.recognition.pipelines import pipeline_of
@@ -43,13 +46,14 @@ KEPT = Path(__file__).with_name("kept_paper.json")
 
 
 def main() -> None:
-    """Measure and keep the figures, row by row."""
+    """Measure and keep the figures, with the commit and the day."""
     objects = [load(path) for path in sorted(MESHES.glob("*/*.ply.gz"))]
-    rows: list[dict[str, Any]] = []
+    kept = {"commit": find_commit(), "date": datetime.now(UTC).strftime("%Y-%m-%d")}
+    rows = []
     for row in measure(objects, CHOOSERS, FRAMES, TOUCHES):
-        rows.append(row)
-        KEPT.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
+        rows.append(round_numbers(row))
         print(row["chooser"], row["frame"], row["touches"], row["accuracy"]["objects"], flush=True)
+    KEPT.write_text(json.dumps({**kept, "rows": rows}) + "\n", encoding="utf-8")
 
 
 def measure(

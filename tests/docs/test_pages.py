@@ -259,7 +259,9 @@ def test_the_page_on_places_out_of_reach_shows_the_figures_that_are_kept(run_scr
         assert f"<!-- {block} -->\n{content}\n<!-- /{block} -->" in made["PAGE"].read_text()
 
 
-@pytest.mark.parametrize("study", ["baselines", "cues", "draws", "known_objects", "turned"])
+@pytest.mark.parametrize(
+    "study", ["baselines", "cues", "draws", "known_objects", "touch_agents", "turned"]
+)
 def test_the_page_of_a_study_shows_what_the_study_keeps(study, run_script):
     made = run_script(f"studies/{study}/make_page")
     for block, content in made["blocks"]().items():
