@@ -135,6 +135,23 @@ def test_an_agent_that_points_makes_the_same_touches_and_stops_after_its_tries(o
     assert 1 <= len(images) <= 3
 
 
+def test_an_agent_may_keep_its_observations(objects, registered):
+    kept = []
+
+    def keeper():
+        def act(seen):
+            kept.append((seen, {name: values.copy() for name, values in seen.items()}))
+            return int(np.flatnonzero(seen["valid"])[0])
+
+        return act
+
+    settings = {"touches": 3, "sight": ("places",), "places": 20}
+    name = registered(agent_policy("keeper", "keeps", keeper, PARAMETERS, **settings))
+    touched(objects[0], name, 0)
+    assert len(kept) == 6
+    assert all(np.array_equal(seen[entry], copy[entry]) for seen, copy in kept for entry in copy)
+
+
 def test_an_agent_that_ends_its_episode_ends_the_sequence(objects, registered):
     def one_touch():
         left = iter([0, 1])
