@@ -187,9 +187,9 @@ class LearnedParameters(Section):
     """A network of single touches, or of pairs of touches, beside the linear discriminant of `order_free`."""
 
     units: int = Field(256, ge=1, le=10_000, description="Hidden units of the network")
-    passes: int = Field(40, ge=1, le=10_000, description="Passes over the training touches")
+    passes: int = Field(80, ge=1, le=10_000, description="Passes over the training touches")
     discriminant_weight: float = Field(
-        0.2,
+        0.1,
         ge=0,
         description="Weight of the discriminant's log probabilities beside the network's",
     )

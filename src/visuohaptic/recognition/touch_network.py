@@ -148,7 +148,7 @@ class TouchNetwork(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         self,
         network: Any,
         discriminant: Any,
-        discriminant_weight: float = 0.2,
+        discriminant_weight: float = 0.1,
         random_state: int | None = None,
     ) -> None:
         self.network = network
