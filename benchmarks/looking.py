@@ -21,12 +21,13 @@ from visuohaptic.attention import AttentionParameters
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import place_cameras
+from visuohaptic.geometry.layouts import sensing_offsets
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import read_surface
 from visuohaptic.meshes.preparing import normalise
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor import SensorParameters, touch
-from visuohaptic.sensor.imprints import make_poses, sensing_offsets
+from visuohaptic.sensor.imprints import make_poses
 
 MESHES = Path(__file__).parent.parent / "meshes" / "paper"
 CAMERAS = place_cameras(ViewpointParameters())

@@ -15,6 +15,7 @@ import numpy as np
 
 from benchmarks.casts import embreex_cast, open3d_cast, rays_of
 from benchmarks.turns import in_turn, medians, ratios
+from visuohaptic.geometry.layouts import grid_layout, sensing_offsets
 from visuohaptic.geometry.orientation import orient_outwards
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface, read_surface
@@ -22,7 +23,7 @@ from visuohaptic.meshes.preparing import normalise
 from visuohaptic.scene.parameters import TACTILE_EFFECTS, EffectModes, Scene
 from visuohaptic.sensor import RandomFields, SensorParameters, touch
 from visuohaptic.sensor.example_shapes import Height, sheet
-from visuohaptic.sensor.imprints import cast_heights, make_poses, sensing_offsets
+from visuohaptic.sensor.imprints import cast_heights, make_poses
 
 CAR = Path(__file__).parent.parent / "meshes/paper/car/kl_VW-new-beetle.ply.gz"
 PROBES = 256
@@ -80,7 +81,7 @@ def _measure(surface: Surface) -> dict[str, object]:
 def _plain_cast(caster: RayCaster, points: np.ndarray, normals: np.ndarray) -> Callable[[], object]:
     poses = make_poses(points, normals)
     sizes, lifts = np.full(len(points), 0.3), np.full(len(points), caster.reach)
-    return lambda: cast_heights(caster, poses, sizes, lifts, 32)
+    return lambda: cast_heights(caster, poses, sizes, lifts, grid_layout(32, 32))
 
 
 def _bare_cast(
@@ -131,7 +132,7 @@ def _errors(height: Height, *, exact: bool) -> dict[str, float]:
     surface = _blocks(height, half) if exact else sheet(height, half, cells)
     caster = RayCaster(surface)
     poses = make_poses(np.zeros((1, 3)), np.array([[0, 1.0, 0]]))
-    heights = cast_heights(caster, poses, np.array([size]), np.array([1.5]), 32)[0]
+    heights = cast_heights(caster, poses, np.array([size]), np.array([1.5]), grid_layout(32, 32))[0]
     x, z = np.meshgrid(*(2 * [0.5 * size * sensing_offsets(32)]))
     truth = height(x, z)
     mesh = truth if exact else _sheet_height(height, x, z, half, cells)

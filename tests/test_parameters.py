@@ -194,3 +194,47 @@ def test_a_file_with_a_name_twice_or_of_broken_yaml_is_refused_with_the_line(tmp
         path.write_text(text)
         with pytest.raises(ParameterError, match=sentence):
             read_parameters(path)
+
+
+def test_a_file_of_taxels_is_read_into_the_parameters(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "pad.csv").write_text(
+        "x;y;z;direction_x;direction_y;direction_z\n0,5;0;0;0;0;-1\n-1;0;0;0;0;-1\n"
+    )
+    chosen = as_parameters({"sensor.layout": "pad.csv"})
+    assert chosen.sensor.layout == ((0.5, 0, 0, 0, 0, -1), (-1, 0, 0, 0, 0, -1))
+    assert len(chosen.sensor.taxels) == 2
+    again = ExperimentParameters.from_mapping(chosen.model_dump())
+    assert again == chosen
+    (tmp_path / "pad.csv").unlink()
+    with pytest.raises(ParameterError, match=r"pad\.csv can't be read"):
+        as_parameters({"sensor.layout": "pad.csv"})
+
+
+@pytest.mark.parametrize(
+    ("layout", "says"),
+    [
+        ("fist", "sensor.layout: 'fist' is no layout; square, round, dome, finger, gripper, or a"),
+        ([[0, 0, 0, 0, 0, 0], [1, 0, 0, 0, 0, -1]], r"sensor.layout: Layout own: taxel 0 has the direction \(0, 0, 0\)"),
+        ([[1, 0, 0, 0, 0, 1]], "sensor.layout: Layout own: taxel 0 looks behind the pad"),
+        ([[float(n), 0, 0, 0, 0, -1] for n in range(5000)], "5,000 taxels; at most 4,096 are allowed"),
+    ],
+)  # fmt: skip
+def test_a_layout_that_is_none_is_refused_in_a_sentence(layout, says):
+    with pytest.raises(ParameterError, match=says):
+        as_parameters({"sensor.layout": layout})
+
+
+@pytest.mark.parametrize(
+    ("values", "says"),
+    [
+        ({}, "features.descriptor is contourlet, which needs a square grid .* image_statistics works"),
+        ({"scene.preset": "fsr400"}, "scene.readout is grounded, which needs .*; ideal works on any"),
+        ({"scene.cover": "half_space"}, "scene.cover is half_space, .*; winkler works on any"),
+    ],
+)  # fmt: skip
+def test_a_run_with_a_pad_and_parameters_that_need_a_grid_is_refused(values, says):
+    with pytest.raises(ParameterError, match=says):
+        check_run(as_parameters({"sensor.layout": "dome", **values}))
+    fitting = {"features.descriptor": "image_statistics", "sensor.resolution": 5}
+    check_run(as_parameters({"sensor.layout": "dome", **fitting}))

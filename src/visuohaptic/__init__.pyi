@@ -20,7 +20,9 @@ from .exploration.recognising import Recogniser as Recogniser
 from .exploration.recognising import read_recogniser as read_recogniser
 from .features.descriptors import Descriptor as Descriptor
 from .fixations.probing import Strategy as Strategy
+from .geometry.layouts import Layout as Layout
 from .geometry.raycasting import RayCaster as RayCaster
+from .io.layout_files import read_layout as read_layout
 from .io.plugins import register as register
 from .parameters import read_parameters as read_parameters
 from .recognition.classifiers import Classifier as Classifier

@@ -16,12 +16,14 @@ from visuohaptic.base.draw_names import draw_of
 from visuohaptic.base.errors import ParameterError
 from visuohaptic.base.section import Section
 from visuohaptic.base.wrong_values import needed_value, unknown_parameter
+from visuohaptic.features.descriptors import any_layout_names
 from visuohaptic.features.parameters import FeatureParameters
 from visuohaptic.fixations.parameters import (
     LARGEST_RESOLUTION,
     RenderingParameters,
     ViewpointParameters,
 )
+from visuohaptic.geometry.pads import PADS
 from visuohaptic.io.plugins import load_files, load_installed
 from visuohaptic.io.yaml_files import read_yaml
 from visuohaptic.meshes.parameters import MeshParameters
@@ -188,7 +190,7 @@ class ExperimentParameters(Section):
                 f"viewpoints: {pixels:,} pixels per object; {MOST_PIXELS:,} are allowed"
             )
         touches = viewpoints.total * self.attention.fixations
-        points = touches * self.sensor.resolution**2
+        points = touches * len(self.sensor.taxels)
         if points > MOST_SENSING_POINTS:
             faults.append(
                 f"sensor.resolution is {self.sensor.resolution} and there are {viewpoints.total} viewpoints with "
@@ -209,14 +211,32 @@ class ExperimentParameters(Section):
         """Check sections and values from a YAML or JSON file.
 
         Raises `ParameterError`, which names the source, every unknown name and every wrong value. `arguments` has the
-        name of the caller's argument per dotted name of a parameter, for errors.
+        name of the caller's argument per dotted name of a parameter, for errors. A file that `sensor.layout` names is
+        read, so that the parameters hold the taxels; the path is relative to the working folder.
         """
         try:
-            return cls.model_validate(dict(values))
+            return cls.model_validate(_with_taxels(values))
         except ValidationError as error:
             raise ParameterError(
                 f"{source}: {_sentences(error.errors(), arguments or {})}"
             ) from None
+
+
+def _with_taxels(values: Mapping[str, object]) -> dict[str, object]:
+    """Return sections with the taxels of the file that `sensor.layout` names, if it names one."""
+    sensor = values.get("sensor")
+    layout = sensor.get("layout") if isinstance(sensor, Mapping) else None
+    if not isinstance(sensor, Mapping) or not isinstance(layout, str) or layout in PADS:
+        return dict(values)
+    if not Path(layout).suffix:
+        return dict(values)
+    # Imported here, because text tables import pyarrow, which parameters do not need.
+    from visuohaptic.io.layout_files import read_taxels
+
+    return {
+        **values,
+        "sensor": {**sensor, "layout": tuple(map(tuple, read_taxels(layout).tolist()))},
+    }
 
 
 def _repetitions(parameters: ExperimentParameters) -> Iterator[str]:
@@ -235,6 +255,7 @@ def check_run(parameters: ExperimentParameters, source: str = "params.yaml") -> 
 
     - draws among its strategies;
     - a resolution of imprints without contourlet bands;
+    - a layout other than the square with a descriptor, a readout or a cover that needs a square grid;
     - sequences with more touches than fixations;
     - a frame with an unknown roll of the sensor for imprints without directional bands.
 
@@ -247,7 +268,9 @@ def check_run(parameters: ExperimentParameters, source: str = "params.yaml") -> 
         if draw_of(name)[1]
     ]
     resolution, fixations = parameters.sensor.resolution, parameters.attention.fixations
-    if resolution % 2 == 0 and resolution % IMPRINT_MULTIPLE:
+    if parameters.sensor.layout != "square":
+        faults += _needs_of_a_grid(parameters)
+    elif resolution % 2 == 0 and resolution % IMPRINT_MULTIPLE:
         faults.append(
             f"sensor.resolution is {resolution}, and features computes {DIRECTIONS} directional bands of "
             f"an imprint; a multiple of {IMPRINT_MULTIPLE} or an odd number is needed"
@@ -265,6 +288,23 @@ def check_run(parameters: ExperimentParameters, source: str = "params.yaml") -> 
         raise ParameterError(f"{source}: {'; '.join(faults)}.")
 
 
+def _needs_of_a_grid(parameters: ExperimentParameters) -> Iterator[str]:
+    """Yield a message per parameter that needs the square, for another layout."""
+    scene, descriptor = parameters.scene, parameters.features.descriptor
+    allowed = any_layout_names()
+    needs = (
+        ("features.descriptor", descriptor, descriptor not in allowed, " or ".join(allowed)),
+        ("scene.readout", scene.readout, scene.readout != "ideal", "ideal"),
+        ("scene.cover", scene.cover, scene.cover == "half_space", "winkler"),
+    )
+    for name, value, is_refused, fitting in needs:
+        if is_refused:
+            yield (
+                f"{name} is {value}, which needs a square grid of taxels, and sensor.layout is another layout; {fitting} works "
+                "on any layout"
+            )
+
+
 def check_job_size(parameters: ExperimentParameters, source: str = "params.yaml") -> None:
     """Raise `ParameterError` if a job of the run would hold more than `MOST_SENSING_POINTS` sensing points.
 
@@ -273,9 +313,7 @@ def check_job_size(parameters: ExperimentParameters, source: str = "params.yaml"
     workflow, probing = parameters.workflow, parameters.probing
     views = min(workflow.views_per_job, parameters.viewpoints.total)
     strategies = len(probing.strategies) + (probing.random_draws - 1)
-    per_object = (
-        views * strategies * parameters.attention.fixations * parameters.sensor.resolution**2
-    )
+    per_object = views * strategies * parameters.attention.fixations * len(parameters.sensor.taxels)
     points = workflow.objects_per_job * per_object
     if points > MOST_SENSING_POINTS:
         objects = MOST_SENSING_POINTS // per_object

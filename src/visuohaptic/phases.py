@@ -137,7 +137,7 @@ PHASES = (
     Phase(
         "features",
         "describing the imprints of",
-        arguments={"features": "features"},
+        arguments={"features": "features", "layout": "sensor.layout"},
         inputs=("touches",),
         writes={"features": "features"},
         verb="describe",

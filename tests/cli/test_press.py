@@ -95,3 +95,54 @@ def test_a_disk_that_is_full_is_one_sentence_and_leaves_no_part_of_a_file(tmp_pa
     assert ended.returncode == 1
     assert ended.stderr == f"error: {out / 'imprints.npy'} can't be written: File too large.\n"
     assert [*out.iterdir()] == []
+
+
+POSE = "x,y,z,normal_x,normal_y,normal_z\n25,0,30,1,0,0\n"
+TAXELS = (
+    "x;y;z;direction_x;direction_y;direction_z\n0;0,5;0;0;0;-1\n0;-0,5;0;0;0;-1\n0;0;0;0;0;-2\n"
+)
+
+
+def test_a_layout_of_a_file_with_decimal_commas_is_pressed_and_drawn(visuohaptic, tmp_path, bottle):
+    (tmp_path / "poses.csv").write_text(POSE)
+    (tmp_path / "pad.csv").write_text(TAXELS)
+    layout = ("--layout", "pad.csv", "--layout-unit", "cm", "--unit", "mm")
+    ended = visuohaptic("press", bottle, "--poses", "poses.csv", *layout)
+    assert ended.code == 0, ended.err
+    assert np.load(tmp_path / "pressed/imprints.npy").shape == (1, 3)
+    heights = np.load(tmp_path / "pressed/heights.npy")
+    # The wall is round: 25 mm, and 48 sections. Taxels 5 mm aside are 0.5 mm away.
+    assert heights[0] == pytest.approx([-0.5, -0.5, 0], abs=0.06)
+    assert (tmp_path / "pressed/layout.png").is_file()
+    assert "3 taxels" in ended.out
+    assert "note" not in ended.out
+
+
+def test_millimetres_that_are_read_as_metres_are_said_once(visuohaptic, tmp_path, bottle):
+    (tmp_path / "poses.csv").write_text(POSE + "25,0,40,1,0,0\n")
+    (tmp_path / "pad.csv").write_text(TAXELS)
+    layout = ("--layout", "pad.csv", "--layout-unit", "m", "--unit", "mm")
+    ended = visuohaptic("press", bottle, "--poses", "poses.csv", *layout)
+    assert ended.code == 0, ended.err
+    assert ended.out.count("check the units of both") == 1
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "says"),
+    [
+        (("--layout", "fist", "--size", 5), 1, "fist can't be read: No such file"),
+        (("--layout", "dome"), 1, "Layout dome has real lengths and unit is None; the unit of the mesh"),
+        (("--layout", "pad.csv"), 1, "size is missing"),
+        (("--layout", "dome", "--size", 5, "--height", 4), 2, "a layout has no --height"),
+        ((), 2, "a width is needed without --layout"),
+    ],
+)  # fmt: skip
+def test_a_layout_that_is_not_allowed_is_one_sentence(
+    visuohaptic, tmp_path, bottle, options, code, says
+):
+    (tmp_path / "poses.csv").write_text(POSE)
+    (tmp_path / "pad.csv").write_text(TAXELS)
+    ended = visuohaptic("press", bottle, "--poses", "poses.csv", *options)
+    assert ended.code == code
+    assert says in re.sub(r"[│\s]+", " ", ended.err)
+    assert not (tmp_path / "pressed").exists()

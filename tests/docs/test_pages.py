@@ -8,6 +8,7 @@ this test does not know fails it.
 
 import re
 import runpy
+import shutil
 import tomllib
 from functools import reduce
 from importlib.metadata import metadata
@@ -172,6 +173,7 @@ def finished(tmp_path_factory):
     objects = ("cup/mug", "cup/can", "ball/a", "ball/b")
     folder = lay_out(tmp_path_factory.mktemp("finished"), objects)
     trimesh.creation.annulus(0.8, 1, 2).export(folder / "mug.obj")
+    shutil.copy(ROOT / "examples/layouts/icub_fingertip.csv", folder)
     return folder
 
 

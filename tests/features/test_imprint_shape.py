@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from visuohaptic.features.imprint_shape import describe_imprint_shape
+from visuohaptic.geometry.layouts import build_layout, grid_layout
+from visuohaptic.geometry.pads import layout_of
 from visuohaptic.tables.phases import IMPRINT_FEATURES
 
 
@@ -45,3 +47,28 @@ def test_edge_has_steps_across_it_only():
     assert features["imprint_contact"] == features["imprint_empty"] == 0.5
     assert features["imprint_step_columns"] == pytest.approx(1 / 31)
     assert features["imprint_step_rows"] == 0
+
+
+def test_a_quadric_on_taxels_has_its_own_coefficients_and_no_residual():
+    layout = layout_of("finger", 2)
+    u, v = layout.chart[:, 0], -layout.chart[:, 1]
+    imprint = 0.4 + 0.1 * u - 0.05 * v + 0.02 * u * u + 0.03 * u * v - 0.04 * v * v
+    names = dict(zip(IMPRINT_FEATURES, describe_imprint_shape(imprint[None], layout)[0], strict=True))  # fmt: skip
+    assert names["imprint_mean"] == pytest.approx(imprint.mean())
+    assert names["imprint_bending"] == pytest.approx(2 * (0.02 - 0.04))
+    assert names["imprint_saddle"] == pytest.approx(2 * np.hypot(0.06, 0.03))
+    assert names["imprint_tilt_columns"] == pytest.approx(0.1)
+    assert names["imprint_tilt_rows"] == pytest.approx(0.05)
+    assert names["imprint_roughness"] == pytest.approx(0, abs=1e-12)
+
+
+def test_statistics_of_a_grid_given_as_taxels_are_nearly_those_of_the_square():
+    """Terms run to the outermost taxel in the square, and to the outline in other layouts."""
+    grid = grid_layout(16, 16)
+    own = build_layout("own", grid.positions * 16 / 15, grid.directions)
+    image = np.random.default_rng(3).random((2, 16, 16))
+    square = describe_imprint_shape(image)
+    taxels = describe_imprint_shape(image.reshape(2, -1), own)
+    # The last two are steps: taxels have diagonal neighbours beside those along the axes.
+    np.testing.assert_allclose(taxels[:, :11], square[:, :11], rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(taxels[:, 11:], square[:, 11:], rtol=0.15)

@@ -6,6 +6,7 @@ from sensor.scenes import probes_on, surfaces
 from sensor.shapes import PLATE, box, hard_probes, joined, sheet, surface_of
 
 from visuohaptic.base.errors import EndlessLoopError
+from visuohaptic.geometry.layouts import grid_layout
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.sensor import SensorParameters, placing
 from visuohaptic.sensor.imprints import cast_heights, make_poses
@@ -114,7 +115,7 @@ def test_whatever_the_ground_the_square_is_admissible_and_the_largest(surface, s
     # A square larger by two sensing points is penetrated at its rim; a fine cast finds it there.
     shrunk = np.flatnonzero((sizes > smallest) & (sizes < largest / 1.07) & ~placement.blocked)
     lifts = np.full(len(shrunk), caster.reach)
-    grown = cast_heights(caster, poses[shrunk], 1.07 * sizes[shrunk], lifts, 192)
+    grown = cast_heights(caster, poses[shrunk], 1.07 * sizes[shrunk], lifts, grid_layout(192, 192))
     assert (grown.max(axis=(1, 2)) > TOLERANCE).all()
 
 
@@ -125,7 +126,7 @@ def test_sensing_points_on_the_edges_do_not_shrink_a_square_without_end(monkeypa
     parameters = SensorParameters(resolution=resolution, smallest_size=1e-3)
     assert placed(valley, (0, 0, 0), (0, 1, 0), parameters).sizes[0] >= 1e-3
     monkeypatch.setattr(
-        placing, "unobstructed_half_sizes", lambda heights, sizes, _: sizes / 2 * (1 - 1e-9)
+        placing, "unobstructed_half_sizes", lambda heights, sizes, *_: sizes / 2 * (1 - 1e-9)
     )
-    with pytest.raises(EndlessLoopError, match="the shrinking of squares took more than"):
+    with pytest.raises(EndlessLoopError, match="the shrinking of pads took more than"):
         placed(valley, (0, 0, 0), (0, 1, 0), parameters)

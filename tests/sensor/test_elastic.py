@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
 
+from visuohaptic.geometry.layouts import sensing_offsets
 from visuohaptic.sensor.elastic import (
     boussinesq_kernel,
     half_space_pressures,
     winkler_pressures,
 )
-from visuohaptic.sensor.imprints import sensing_offsets
 
 MODULUS, POISSON, RADIUS, DEPTH = 2e5, 0.45, 0.02, 1e-4
 REDUCED = MODULUS / (1 - POISSON**2)

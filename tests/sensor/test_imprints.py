@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from sensor.shapes import box, joined, sheet, surface_of
 
+from visuohaptic.geometry.layouts import grid_layout, sensing_offsets
 from visuohaptic.geometry.raycasting import MISS, RayCaster
-from visuohaptic.sensor.imprints import cast_heights, make_poses, sensing_offsets, smooth_normals
+from visuohaptic.sensor.imprints import cast_heights, make_poses, smooth_normals
 
 HALF, CELLS, SIZE = 0.25, 50, 0.3
 
@@ -15,6 +16,7 @@ SHAPES = {
     "saddle": lambda x, z: 0.8 * (x**2 - z**2),
     "groove": lambda x, z: 3 * np.abs(np.abs(x) - 0.1) - 0.3 + 0 * z,
 }
+GRID, FOUR = grid_layout(32, 32), grid_layout(4, 4)
 
 
 def mesh_height(height, x, z, half=HALF, cells=CELLS):
@@ -47,7 +49,7 @@ def sensing_grid(size, resolution):
 def heights_over(surface, aside=0.0):
     poses = make_poses(np.array([[aside, 0.0, 0.0]]), np.array([[0, 1.0, 0]]))
     np.testing.assert_allclose(poses.columns[0], (1, 0, 0), atol=1e-12)
-    return cast_heights(RayCaster(surface), poses, np.array([SIZE]), np.array([2.0]), 32)[0]
+    return cast_heights(RayCaster(surface), poses, np.array([SIZE]), np.array([2.0]), GRID)[0]
 
 
 @pytest.mark.parametrize("name", SHAPES)
@@ -58,7 +60,7 @@ def test_neither_the_caster_nor_pose_and_place_add_an_error(name):
     shift = generator.uniform(-0.4, 0.4, 3)
     moved = surface_of(surface.vertices @ turn.T + shift, surface.faces)
     poses = make_poses(shift[None], turn[:, 1][None])
-    heights = cast_heights(RayCaster(moved), poses, np.array([0.2]), np.array([2.5]), 32)[0]
+    heights = cast_heights(RayCaster(moved), poses, np.array([0.2]), np.array([2.5]), GRID)[0]
     x, z = sensing_grid(0.2, 32)
     offsets = x[..., None] * poses.columns[0] + z[..., None] * poses.rows[0]
     own = offsets @ turn
@@ -105,7 +107,7 @@ class LeakyCaster(RayCaster):
 def test_a_miss_between_hits_is_cast_again():
     surface = sheet(lambda x, z: -(x**2), half=0.4, cells=60)
     poses = make_poses(np.zeros((1, 3)), np.array([[0, 1.0, 0]]))
-    pose = (poses, np.array([SIZE]), np.array([2.0]), 32)
+    pose = (poses, np.array([SIZE]), np.array([2.0]), GRID)
     leaky, tight = LeakyCaster(surface), RayCaster(surface)
     np.testing.assert_array_equal(cast_heights(leaky, *pose), cast_heights(tight, *pose))
 
@@ -141,7 +143,7 @@ def test_a_ray_is_cast_again_if_deeper_than_both_neighbours_of_an_axis_by_four_o
     for distances, (middle, row, column, _) in zip(caster.distances, cases, strict=True):
         distances[2, [1, 3]], distances[[1, 3], 2], distances[2, 2] = row, column, middle
     places = make_poses(np.zeros((len(cases), 3)), np.tile([0, 1.0, 0], (len(cases), 1)))
-    cast_heights(caster, places, np.tile(edges, (len(cases), 1)), np.full(len(cases), 2.0), 4)
+    cast_heights(caster, places, np.tile(edges, (len(cases), 1)), np.full(len(cases), 2.0), FOUR)
     expected = [is_again for *_, is_again in cases]
     assert caster.again[:, 2, 2].tolist() == expected
 
@@ -152,7 +154,7 @@ def test_a_miss_on_the_border_is_cast_again_only_between_two_hits_along_the_bord
     caster.distances = np.ones((1, 4, 4))
     caster.distances[0][place] = np.inf
     cast_heights(
-        caster, make_poses(np.zeros((1, 3)), np.array([[0, 1.0, 0]])), np.ones(1), np.ones(1), 4
+        caster, make_poses(np.zeros((1, 3)), np.array([[0, 1.0, 0]])), np.ones(1), np.ones(1), FOUR
     )
     is_corner = set(place) <= {0, 3}
     assert caster.again.sum() == (not is_corner)

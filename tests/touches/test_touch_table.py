@@ -8,13 +8,14 @@ import trimesh
 from visuohaptic.fixations.locations import location_table
 from visuohaptic.fixations.places import ProbingLocations
 from visuohaptic.fixations.viewpoints import Camera
+from visuohaptic.geometry.layouts import grid_layout
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor import SensorParameters
 from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES, TANGENT_NAMES
 from visuohaptic.tables.schema import matrix
-from visuohaptic.touches.touch_table import touch_part, touch_squares
+from visuohaptic.touches.touch_table import touch_outlines, touch_part
 
 TILTED = np.array([[0.6, 0.8, 0.0], [0.0, 0.8, 0.6]])
 UP = np.array([0.0, 1.0, 0.0])
@@ -58,7 +59,7 @@ def test_squares_have_the_size_of_the_sensor_and_lie_around_their_touch():
     columns = {"x": 0.1, "y": 0.2, "z": 0.9, "normal_x": 0.0, "normal_y": 0.0, "normal_z": 1.0}
     columns |= {"tangent_x": 1.0, "tangent_y": 0.0, "tangent_z": 0.0, "sensor_size": 0.3}
     touch = pa.table({name: [value] for name, value in columns.items()})
-    (corners,) = camera.project(touch_squares(touch), 100)
+    (corners,) = camera.project(touch_outlines(touch, grid_layout(32, 32)), 100)
     unit = 100 / (2 * np.tan(np.radians(20)) * 3.0)
     edges = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
     np.testing.assert_allclose(edges, 4 * [0.3 * unit])

@@ -39,6 +39,7 @@ rule pictures:
             key for key in OBJECT_BLOCKS[wildcards.objects] if key in SHOWN
         ],
         faces=faces_of_model(len(OBJECTS)),
+        layout=PARAMETERS.sensor.layout,
     message:
         "making pictures of {wildcards.objects} for the report"
     script:

@@ -16,4 +16,5 @@ with job(snakemake):
         output=snakemake.output[0],
         shown=snakemake.params.shown,
         faces=snakemake.params.faces,
+        layout=snakemake.params.layout,
     )

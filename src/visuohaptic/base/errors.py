@@ -21,6 +21,10 @@ class MeshWarning(UserWarning):
     """A mesh file was read, but a file that it refers to is missing, or its meaning is ambiguous."""
 
 
+class LayoutWarning(UserWarning):
+    """A pad is wider than the object: its lengths may be millimetres that are read as metres."""
+
+
 class RecognitionWarning(UserWarning):
     """A classifier can be evaluated, but scales its input in a way that drowns the differences of classes in noise."""
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+import warnings
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 
 from visuohaptic.base.atomic_files import atomic_file
+from visuohaptic.base.errors import LayoutWarning
 from visuohaptic.cli.printing import file_to_read, folder_to_write, say
 
 MOST_ALONG_EDGE = 1024
@@ -27,7 +29,23 @@ def press(
             help="CSV file of poses: x, y, z in the mesh's unit, and qw, qx, qy, qz, or normal_x, normal_y, normal_z and roll in degrees.",
         ),
     ],
-    size: Annotated[float, typer.Option(help="Width of the sensors, in the mesh's unit.")],
+    size: Annotated[
+        float | None,
+        typer.Option(
+            help="Width of the sensors, in the mesh's unit.",
+            show_default="the layout's width",
+        ),
+    ] = None,
+    layout: Annotated[
+        str | None,
+        typer.Option(
+            help="Taxels instead of a grid: round, dome, finger, gripper, or a CSV file with x, y, z and direction_x, direction_y, direction_z.",
+        ),
+    ] = None,
+    layout_unit: Annotated[
+        Literal["mm", "cm", "m", "in"] | None,
+        typer.Option(help="Unit of length of the CSV file of --layout."),
+    ] = None,
     height: Annotated[
         float | None,
         typer.Option(help="Height of the sensors, in the mesh's unit.", show_default="the width"),
@@ -47,7 +65,9 @@ def press(
     ] = None,
     unit: Annotated[
         Literal["mm", "cm", "m", "in"] | None,
-        typer.Option(help="Unit of length of the mesh, for --scene."),
+        typer.Option(
+            help="Unit of length of the mesh, for --scene and for --layout without --size."
+        ),
     ] = None,
     out: Annotated[
         Path, typer.Option(parser=folder_to_write, help="Folder for the imprints and the picture.")
@@ -55,38 +75,52 @@ def press(
 ) -> None:
     """Press sensors on a mesh at given poses.
 
-    Writes imprints.npy, heights.npy and picture.png. The file poses.csv of `visuohaptic touch` can be used as
+    Writes imprints.npy, heights.npy and picture.png, and with --layout the picture layout.png of the first imprint,
+    coloured by its readings. The file poses.csv of `visuohaptic touch` can be used as
     --poses.
 
     Example: visuohaptic press mug.stl --poses poses.csv --size 10
+
+    Example: visuohaptic press mug.stl --poses poses.csv --layout dome --unit mm
     """
     import numpy as np
 
     from visuohaptic.exploration.pose_files import read_poses
     from visuohaptic.exploration.pressing import press as press_sensors
+    from visuohaptic.geometry.pads import PADS
+    from visuohaptic.io.layout_files import read_layout
     from visuohaptic.meshes.model_files import read_mesh
 
     surface = read_mesh(mesh)
-    sensor_height = size if height is None else height
-    pressed = press_sensors(
-        surface,
-        poses=read_poses(poses),
-        size=(size, sensor_height),
-        resolution=(_rows(resolution, size, sensor_height), resolution),
-        depth=depth,
-        scene=scene,
-        unit=unit,
-    )
+    options: dict[str, Any] = {"depth": depth, "scene": scene, "unit": unit}
+    if layout is not None:
+        if height is not None:
+            raise typer.BadParameter("a layout has no --height.", param_hint="--height")
+        taxels = layout if layout in PADS else read_layout(layout, layout_unit)
+        options |= {"layout": taxels, "size": size, "resolution": resolution}
+    elif size is None:
+        raise typer.BadParameter("a width is needed without --layout.", param_hint="--size")
+    else:
+        sensor_height = size if height is None else height
+        rows = _rows(resolution, size, sensor_height)
+        options |= {"size": (size, sensor_height), "resolution": (rows, resolution)}
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always", LayoutWarning)
+        pressed = press_sensors(surface, poses=read_poses(poses), **options)
     for name, array in (("imprints.npy", pressed.images), ("heights.npy", pressed.heights)):
         with atomic_file(out / name) as unfinished, unfinished.open("wb") as stream:
             # NumPy writes to a file itself, with errors that give no reason; it writes to other objects by `write`.
             np.save(SimpleNamespace(write=stream.write), array, allow_pickle=False)
-    with atomic_file(out / "picture.png") as unfinished:
-        pressed.picture().save(unfinished, "png")
+    pictures = {"picture.png": pressed.picture()}
+    if layout is not None and len(pressed.poses):
+        pictures["layout.png"] = pressed.layout_picture()
+    for name, picture in pictures.items():
+        with atomic_file(out / name) as unfinished:
+            picture.save(unfinished, "png")
     say(f"{mesh}: {pressed!r}")
-    for note in surface.notes:
+    for note in (*surface.notes, *(str(warning.message) for warning in said)):
         say(f"  note: {note}")
-    for name in ("imprints.npy", "heights.npy", "picture.png"):
+    for name in ("imprints.npy", "heights.npy", *pictures):
         say(f"  {out / name}")
 
 

@@ -60,7 +60,7 @@ from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.meshes.preparing import prepare_object
 from visuohaptic.parameters import ExperimentParameters, as_parameters, check_run
-from visuohaptic.tables.schema import images, write_table
+from visuohaptic.tables.schema import readings, write_table
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -306,13 +306,13 @@ class Exploration:
 
     @property
     def imprints(self) -> NDArray[np.float32]:
-        """Imprints of the n touches, shape (n, r, r), float32, in the order of `touches`.
+        """Imprints of the n touches, shape (n, r, r) or (n, taxels), float32, in the order of `touches`.
 
         Values are in [0, 1]: by default 1 is the nearest point of each imprint and 0 the farthest. With
         `sensor.normalisation` ``absolute``, 1 is contact and 0 is out of the sensor's depth range. r is
-        `sensor.resolution`.
+        `sensor.resolution`; imprints of other layouts than the square have one number per taxel.
         """
-        return images(self.touches)
+        return readings(self.touches).reshape(-1, *self.parameters.sensor.taxels.shape)
 
     @property
     def poses(self) -> FloatArray:

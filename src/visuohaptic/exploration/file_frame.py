@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import MeshError
+from visuohaptic.base.units import UNITS
 from visuohaptic.exploration.checking import numbers
-from visuohaptic.exploration.units import UNITS
 from visuohaptic.geometry.vectors import product
 from visuohaptic.meshes.up_axis import named_axis
 from visuohaptic.tables.schema import matrix

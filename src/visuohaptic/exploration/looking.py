@@ -26,8 +26,9 @@ from visuohaptic.pictures.imprint_scale import imprint_scale
 from visuohaptic.pictures.model_figure import ModelFigure, model_page
 from visuohaptic.pictures.models import pack_model
 from visuohaptic.pictures.object_pictures import PACKED
+from visuohaptic.pictures.taxels import imprint_images
 from visuohaptic.tables.phases import NORMAL_NAMES
-from visuohaptic.tables.schema import images, matrix
+from visuohaptic.tables.schema import matrix
 
 FACES_SHOWN = 20_000
 """Largest number of faces of a model that is shown; a surface with more faces is simplified by `merge_cells`."""
@@ -70,7 +71,11 @@ def exploration_figure(
             (strategy, viewpoint, number + 1, state)
             for viewpoint, number, state in zip(viewpoints, numbers, states, strict=True)
         ],
-        sheets={strategy: webp_address(imprint_sheet(images(touches), *cells))},
+        sheets={
+            strategy: webp_address(
+                imprint_sheet(imprint_images(touches, parameters.sensor.taxels), *cells)
+            )
+        },
         strategies={strategy: "given points" if strategy == GIVEN else strategy_of(strategy).label},
         views=[
             (viewpoint, azimuth, elevation)

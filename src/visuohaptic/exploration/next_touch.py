@@ -26,7 +26,7 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.scene.effect_log import effect_table
 from visuohaptic.scene.records import EffectRecord, merge_records
 from visuohaptic.tables.phases import FEATURES, NORMAL_NAMES
-from visuohaptic.tables.schema import images, join_parts, matrix
+from visuohaptic.tables.schema import join_parts, matrix, readings
 from visuohaptic.touches.choosing import in_reach, with_touch_numbers
 from visuohaptic.touches.touch_table import touch_part
 
@@ -66,18 +66,19 @@ def touch_next_point(
     acquired = bool(in_reach(caster, located, chosen.sensor)[0])
     touches, records = touch_part(caster, located, chosen.sensor, chosen.scene, chosen.seed)
     touched = time.perf_counter()
-    features = describe_touches(touches, chosen.features)
+    features = describe_touches(touches, chosen.features, chosen.sensor.layout)
     seconds = {"touch": touched - started, "describe": time.perf_counter() - touched}
     new = {"fixations": located, "touches": touches, "features": features}
     tables = {name: join_parts(SCHEMAS[name], [known[name], part]) for name, part in new.items()}
     log = effect_table(key, 0, chosen.scene.preset, _merged_records(known["effects"], records))
     tables |= {"views": known["views"], "effects": join_parts(SCHEMAS["effects"], [log])}
+    imprints = readings(touches).reshape(-1, *chosen.sensor.taxels.shape)
     (row,) = features.to_pylist()
     felt = FeltTouch(
         locations.points[0],
         matrix(touches, NORMAL_NAMES)[0],
         acquired,
-        images(touches)[0],
+        imprints[0],
         row["sensor_size"],
         row["contact_state"],
         {name: value for name, value in row.items() if name not in FEATURES.keys},

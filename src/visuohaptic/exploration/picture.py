@@ -13,13 +13,15 @@ from PIL import Image, ImageDraw, ImageFont
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.fixations.places import is_visible
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
+from visuohaptic.geometry.layouts import Layout
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pictures.imprint_scale import imprint_scale
+from visuohaptic.pictures.taxels import imprint_images
 from visuohaptic.tables.phases import POINT_NAMES
-from visuohaptic.tables.schema import images, matrix
-from visuohaptic.touches.touch_table import touch_squares
+from visuohaptic.tables.schema import matrix
+from visuohaptic.touches.touch_table import touch_outlines
 
 VIEW_PIXELS = 320
 IMPRINT_PIXELS = 84
@@ -36,23 +38,23 @@ def draw_exploration(
 ) -> Image.Image:
     """Draw one cell per viewpoint: the view with its touches, and the imprints beside the view.
 
-    A filled number marks a touch visible from the viewpoint; a hollow number marks a hidden touch. The square
-    is the sensor. The label of an imprint is the sensor's edge (object radii) and the contact state. The last line says
+    A filled number marks a touch visible from the viewpoint; a hollow number marks a hidden touch. The outline
+    is the sensor. The label of an imprint is the sensor's width (object radii) and the contact state. The last line says
     what dark and light mean in an imprint.
     """
-    caster = RayCaster(surface)
+    caster, layout = RayCaster(surface), parameters.sensor.taxels
     cameras = place_cameras(parameters.viewpoints)
     owner = touches.column("viewpoint").to_numpy()
     scale = str(imprint_scale(parameters.sensor, parameters.scene))
     if not views.num_rows:
-        return _with_line(_grid([_cell("given points", None, touches)]), scale)
+        return _with_line(_grid([_cell("given points", None, touches, layout)]), scale)
     cells = []
     for row in views.to_pylist():
         mine = touches.filter(pa.array(owner == row["viewpoint"]))
         with Image.open(io.BytesIO(row["view"])) as picture:
             view = picture.convert("RGB").resize((VIEW_PIXELS, VIEW_PIXELS))
-        _mark_touches(view, caster, cameras[row["viewpoint"]], mine)
-        cells.append(_cell(f"viewpoint {row['viewpoint']}", view, mine))
+        _mark_touches(view, caster, cameras[row["viewpoint"]], mine, layout)
+        cells.append(_cell(f"viewpoint {row['viewpoint']}", view, mine, layout))
     return _with_line(_grid(cells), scale)
 
 
@@ -66,9 +68,11 @@ def draw_first_view(
     return draw_exploration(surface, parameters, views, touches.slice(0, FIRST_TOUCHES))
 
 
-def _mark_touches(view: Image.Image, caster: RayCaster, camera: Camera, touches: pa.Table) -> None:
+def _mark_touches(
+    view: Image.Image, caster: RayCaster, camera: Camera, touches: pa.Table, layout: Layout
+) -> None:
     points = matrix(touches, POINT_NAMES)
-    outlines = camera.project(touch_squares(touches), VIEW_PIXELS)
+    outlines = camera.project(touch_outlines(touches, layout), VIEW_PIXELS)
     pixels = camera.project(points, VIEW_PIXELS)
     visible = is_visible(caster, camera, points)
     draw = ImageDraw.Draw(view)
@@ -86,8 +90,8 @@ def _mark(draw: ImageDraw.ImageDraw, pixel: FloatArray, text: str, seen: bool) -
     draw.text((column, row), text, fill=_INK, font=ImageFont.load_default(12), anchor="mm")
 
 
-def _cell(title: str, view: Image.Image | None, touches: pa.Table) -> Image.Image:
-    imprints = images(touches)
+def _cell(title: str, view: Image.Image | None, touches: pa.Table, layout: Layout) -> Image.Image:
+    imprints = imprint_images(touches, layout)
     sizes = touches.column("sensor_size").to_pylist()
     states = touches.column("contact_state").to_pylist()
     pitch = IMPRINT_PIXELS + _LABEL + GAP

@@ -1,9 +1,11 @@
-"""Press tactile arrays at given poses on a mesh, without views and without an experiment."""
+"""Press tactile pads at given poses on a mesh, without views and without an experiment."""
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,19 +14,23 @@ from PIL import Image
 
 from meshreaders.reading import name_of
 from visuohaptic.base.arrays import FloatArray
-from visuohaptic.base.errors import MeshError, ParameterError
+from visuohaptic.base.errors import LayoutWarning, MeshError, ParameterError
+from visuohaptic.base.units import UNITS
 from visuohaptic.exploration.checking import FARTHEST, numbers, point_rows, unit_rows
 from visuohaptic.exploration.pose_files import matrices, turned
 from visuohaptic.exploration.showing import png_of
-from visuohaptic.exploration.units import UNITS
+from visuohaptic.geometry.layouts import Layout, grid_layout
+from visuohaptic.geometry.pads import PADS, layout_of
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
+from visuohaptic.io.layout_files import read_layout
 from visuohaptic.meshes.model_files import Source, read_mesh
 from visuohaptic.parameters import as_parameters
+from visuohaptic.pictures.taxels import draw_layout, draw_taxels
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.effect_pipeline import TouchBatch
 from visuohaptic.sensor.effects import simulate
-from visuohaptic.sensor.imprints import Poses, cast_heights, make_poses, sensing_offsets
+from visuohaptic.sensor.imprints import Poses, cast_heights, make_poses
 from visuohaptic.sensor.parameters import Orientation
 from visuohaptic.sensor.random_fields import RandomFields
 
@@ -43,56 +49,61 @@ _PIXELS = 96
 
 @dataclass(frozen=True, eq=False)
 class Pressed:
-    """Imprints of n sensors with r rows and c columns of sensing points. Two results are never equal.
+    """Imprints of n sensors. Two results are never equal.
+
+    Imprints of rectangles have the shape (n, r, c) with r rows and c columns of sensing points, imprints of all other
+    layouts the shape (n, taxels).
 
     Attributes
     ----------
     images : numpy.ndarray
-        Shape (n, r, c), float32: 1 where the surface is at the sensor's plane or above, 0 where the surface
-        is `depth` or more below. With a scene: the readings of the simulated sensor.
+        Shape (n, r, c) or (n, taxels), float32: 1 where the surface is at the taxel or behind it, 0 where the surface
+        is `depth` or more before it. With a scene: the readings of the simulated sensor.
     heights : numpy.ndarray
-        Shape (n, r, c), float64, in the mesh's unit: height of the surface above the sensor's plane, negative
-        below the plane, minus infinity where a ray meets no surface.
+        The same shape, float64, in the mesh's unit: height of the surface above the taxel, against the direction in
+        which the taxel looks. Negative for a gap, minus infinity where a ray meets no surface.
     poses : numpy.ndarray
         Shape (n, 4, 4), float64, in the mesh's frame: origin at the plane's centre, x along the columns,
         y against the rows, z away from the object.
     sizes : numpy.ndarray
-        Shape (n, 2), float64, in the mesh's unit: width and height of the planes.
+        Shape (n, 2), float64, in the mesh's unit: width and height of the planes; of other layouts twice the width.
+    layout : Layout
+        The taxels.
     """
 
     images: NDArray[np.float32]
     heights: FloatArray
     poses: FloatArray
     sizes: FloatArray
+    layout: Layout
 
     def __repr__(self) -> str:
-        count, rows, columns = self.images.shape
-        touching = int((self.images > 0).any(axis=(1, 2)).sum())
-        return (
-            f"<Pressed: {count} imprints of {rows} x {columns}, {touching} of which feel something>"
-        )
+        count, *shape = self.images.shape
+        points = " x ".join(map(str, shape)) if len(shape) == 2 else f"{shape[0]} taxels"
+        touching = int(self.images.reshape(-1, len(self.layout)).any(axis=1).sum())
+        return f"<Pressed: {count} imprints of {points}, {touching} of which feel something>"
 
     def _repr_png_(self) -> bytes:
         return png_of(self.picture())
 
     @property
     def points(self) -> FloatArray:
-        """Points of the surface below each sensing point, (n, r, c, 3), mesh frame. NaN where a ray meets no surface."""
-        _, rows, columns = self.heights.shape
-        aside = 0.5 * self.sizes[:, :1] * sensing_offsets(columns)
-        down = 0.5 * self.sizes[:, 1:] * sensing_offsets(rows)
-        heights = np.where(np.isfinite(self.heights), self.heights, np.nan)
-        x, y, z = (self.poses[:, None, None, :3, axis] for axis in range(3))
-        points: FloatArray = (
-            self.poses[:, None, None, :3, 3]
-            + aside[:, None, :, None] * x
-            - down[:, :, None, None] * y
-            + heights[..., None] * z
-        )
-        return points
+        """Points of the surface before each taxel, (n, r, c, 3) or (n, taxels, 3), mesh frame. NaN without a surface."""
+        half = 0.5 * self.sizes
+        scales = np.stack([half[:, 0], half[:, 1], half[:, 0]], axis=1)
+        heights = self.heights.reshape(-1, len(self.layout), 1)
+        # A ray without a hit has the height minus infinity.
+        heights = np.where(np.isfinite(heights), heights, np.nan)
+        local = scales[:, None] * self.layout.positions - heights * self.layout.directions
+        turned = np.einsum("nij,ntj->nti", self.poses[:, :3, :3], local)
+        points: FloatArray = turned + self.poses[:, None, :3, 3]
+        return points.reshape(*self.heights.shape, 3)
 
     def picture(self) -> Image.Image:
         """Draw the first 64 imprints side by side. Light is 1, and dark is 0 (`images`).
+
+        Rectangles are drawn as images. Taxels of other layouts are drawn as discs, as if the pad were unrolled, seen as
+        an imprint is: from outside the object.
 
         Returns
         -------
@@ -100,18 +111,42 @@ class Pressed:
             The picture.
         """
         shown = self.images[:_MOST_PICTURED]
+        tiles = [
+            _tile(image) if image.ndim == 2 else draw_taxels(self.layout, image, 2 * _PIXELS)
+            for image in shown
+        ]
         across = max(1, int(np.ceil(np.sqrt(len(shown)))))
         down = max(1, -(-len(shown) // across))
-        _, rows, columns = self.images.shape
-        step = _PIXELS / max(rows, columns)
-        tile = (max(1, round(columns * step)), max(1, round(rows * step)))
-        picture = Image.new("L", (across * (tile[0] + 4) + 4, down * (tile[1] + 4) + 4), 64)
-        for number, image in enumerate(shown):
+        wide, high = tiles[0].size if tiles else (_PIXELS, _PIXELS)
+        picture = Image.new("L", (across * (wide + 4) + 4, down * (high + 4) + 4), 64)
+        for number, tile in enumerate(tiles):
             row, column = divmod(number, across)
-            part = Image.fromarray(np.round(255 * image).astype(np.uint8))
-            corner = (4 + column * (tile[0] + 4), 4 + row * (tile[1] + 4))
-            picture.paste(part.resize(tile, Image.Resampling.NEAREST), corner)
+            picture.paste(tile, (4 + column * (wide + 4), 4 + row * (high + 4)))
         return picture
+
+    def layout_picture(self, number: int = 0) -> Image.Image:
+        """Draw the layout coloured by the readings of one imprint: the unrolled pad, and the pad from its side.
+
+        Parameters
+        ----------
+        number : int
+            Index of the imprint.
+
+        Returns
+        -------
+        PIL.Image.Image
+            The picture: dark violet is 0 and yellow is 1 (`images`).
+        """
+        return draw_layout(self.layout, self.images[number].ravel())
+
+
+def _tile(image: NDArray[np.float32]) -> Image.Image:
+    """Return a rectangular imprint in grey, `_PIXELS` along its longer edge."""
+    rows, columns = image.shape
+    step = _PIXELS / max(rows, columns)
+    size = (max(1, round(columns * step)), max(1, round(rows * step)))
+    grey = Image.fromarray(np.round(255 * image).astype(np.uint8))
+    return grey.resize(size, Image.Resampling.NEAREST)
 
 
 def press(
@@ -126,11 +161,12 @@ def press(
     *,
     poses: ArrayLike | None = None,
     roll: ArrayLike = 0.0,
+    layout: Layout | str | Path | None = None,
     scene: Scene | Mapping[str, Any] | str | None = None,
     unit: str | None = None,
     seed: int = 0,
 ) -> Pressed:
-    """Press rectangular sensors on a mesh, all in one batch.
+    """Press rectangular sensors, or pads of any layout, on a mesh, all in one batch.
 
     Lengths and positions are in the unit and frame of the mesh, which is not turned, moved or scaled.
 
@@ -144,7 +180,8 @@ def press(
         Shape (n, 3): directions away from the object, of any length above 0.
     size : array_like
         Squares: the edge, a number or shape (n,). Rectangles: width (along columns) and height, a tuple
-        (width, height), shape (1, 2) for all sensors, or (n, 2).
+        (width, height), shape (1, 2) for all sensors, or (n, 2). Other layouts: the width of the pad, a number or
+        shape (n,); by default the pad's own width, which needs `unit` and a layout with a unit.
     resolution : int or (int, int)
         Sensing points along an edge, or rows and columns: 2 to 1024 each, at most 2²⁶ for all sensors together.
     depth : float, optional
@@ -160,11 +197,15 @@ def press(
     roll : array_like
         Turn of the planes about their normals (degrees), counterclockwise seen from outside: a number, or
         shape (n,).
+    layout : Layout, str or path, optional
+        The taxels instead of a grid: a layout of `Layout.of` or `read_layout`, ``"round"``, ``"dome"``, ``"finger"``,
+        ``"gripper"``, or a CSV file. The pad stands at the pose, without an approach. Rays of a curved pad start behind
+        its taxels, at most as deep as the pad's radius.
     scene : Scene, mapping or str, optional
         Effects of the sensor to simulate: a preset such as ``"fsr400"``, or section `scene` of the parameters.
-        A scene needs `unit` and square cells.
+        A scene needs `unit`, and for a grid square cells.
     unit : {"mm", "cm", "m", "in"}, optional
-        Unit of length of the mesh. Only a scene needs the unit.
+        Unit of length of the mesh, for a scene and for a layout without `size`.
     seed : int
         Random seed of a scene with noise, scattered gains or dead cells.
 
@@ -178,35 +219,49 @@ def press(
     MeshError
         If the mesh has no surface.
     ParameterError
-        If a pose, a length or a count is not allowed.
+        If a pose, a length, a count or a layout is not allowed.
+
+    Warns
+    -----
+    LayoutWarning
+        If a pad is wider than the object, because its lengths may be of another unit.
     """
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
         raise ParameterError(f"seed is {seed!r}; a whole number of at least 0 is needed.")
     stands = turned(_stand(points, normals, poses, orientation), roll)
-    sizes = _sizes(size, len(stands))
-    grid = _grid(resolution)
+    pad = _pad(layout, resolution)
+    sizes = _sizes(_own_width(pad, unit) if size is None else size, len(stands))
+    if layout is not None and (sizes[:, 0] != sizes[:, 1]).any():
+        raise ParameterError("size has a width and a height; a layout needs one width.")
     largest = float(sizes.max(initial=0.0)) or 1.0
     deep = _length(largest / 3 if depth is None else depth, "depth")
     high = _length(largest if above is None else above, "above")
-    _check_count(len(stands), grid)
+    _check_count(len(stands), pad)
     surface, centre, radius = _unit_surface(mesh)
     _check_lengths(stands, sizes, deep, high, radius)
+    if layout is not None and largest > 2 * radius:
+        warnings.warn(
+            f"Pads of layout {pad.name} are {largest:g} wide, and the object is {2 * radius:g} wide, in the mesh's unit; check "
+            "the units of both.",
+            LayoutWarning,
+            stacklevel=2,
+        )
     caster = RayCaster(surface)
-    heights = np.empty((len(stands), *grid))
-    images = np.empty((len(stands), *grid), dtype=np.float32)
-    step = max(1, _POINTS_AT_ONCE // (grid[0] * grid[1]))
+    heights = np.empty((len(stands), *pad.shape))
+    images = np.empty((len(stands), *pad.shape), dtype=np.float32)
+    step = max(1, _POINTS_AT_ONCE // len(pad))
     for start in range(0, len(stands), step):
         block = slice(start, start + step)
         part = stands[block]
         within = replace(part, points=(part.points - centre) / radius)
         lifts = np.full(len(part), high / radius)
-        felt = radius * cast_heights(caster, within, sizes[block, ::-1] / radius, lifts, grid)
+        felt = radius * cast_heights(caster, within, sizes[block, ::-1] / radius, lifts, pad)
         contact = np.clip(1 + felt / deep, 0, 1)
         if scene is not None:
             fields = RandomFields(seed, [("press", start + number) for number in range(len(part))])
-            contact = _readings(contact, felt, sizes[block], scene, unit, fields)
+            contact = _readings(contact, felt, sizes[block], pad, scene, unit, fields)
         heights[block], images[block] = felt, contact
-    return Pressed(images, heights, matrices(stands), sizes)
+    return Pressed(images, heights, matrices(stands), sizes, pad)
 
 
 def _check_lengths(
@@ -220,19 +275,48 @@ def _check_lengths(
         )
 
 
-def _check_count(count: int, grid: tuple[int, int]) -> None:
-    points = count * grid[0] * grid[1]
+def _check_count(count: int, pad: Layout) -> None:
+    points = count * len(pad)
     if points > MOST_POINTS:
+        each = " x ".join(map(str, pad.shape)) + (" taxels" if len(pad.shape) == 1 else "")
         raise ParameterError(
-            f"{count} sensors of {grid[0]} x {grid[1]} have {points} sensing points; {MOST_POINTS} are "
+            f"{count} sensors of {each} have {points} sensing points; {MOST_POINTS} are "
             "allowed: press them in several calls."
         )
+
+
+def _pad(layout: Layout | str | Path | None, resolution: int | tuple[int, int]) -> Layout:
+    """Return the layout of the taxels."""
+    if layout is None:
+        return grid_layout(*_grid(resolution))
+    if isinstance(layout, Layout):
+        return layout
+    if not isinstance(layout, str | Path):
+        raise ParameterError(
+            f"layout is of type {type(layout).__name__}; a Layout, a name or a CSV file is needed."
+        )
+    if str(layout) in PADS:
+        return layout_of(str(layout), _grid(resolution)[0])
+    return read_layout(layout)
+
+
+def _own_width(pad: Layout, unit: str | None) -> float | None:
+    """Return the width of a layout with a unit, in the mesh's unit."""
+    if pad.half_width_m is None:
+        return None
+    if unit not in UNITS:
+        raise ParameterError(
+            f"Layout {pad.name} has real lengths and unit is {unit!r}; the unit of the mesh, {', '.join(UNITS)}, or a size "
+            "is needed."
+        )
+    return 2 * pad.half_width_m / UNITS[unit]
 
 
 def _readings(
     contact: FloatArray,
     heights: FloatArray,
     sizes: FloatArray,
+    pad: Layout,
     scene: Scene | Mapping[str, Any] | str,
     unit: str | None,
     fields: RandomFields,
@@ -242,12 +326,11 @@ def _readings(
         raise ParameterError(
             f"A scene has real lengths and unit is {unit!r}; {', '.join(UNITS)} are allowed."
         )
-    _, rows, columns = contact.shape
-    cells = sizes / [columns, rows]
-    if rows != columns or not np.allclose(cells[:, 0], cells[:, 1], rtol=1e-9):
+    cells = sizes / pad.counts[::-1]
+    if len(pad.shape) == 2 and not np.allclose(cells[:, 0], cells[:, 1], rtol=1e-9):
         raise ParameterError(
-            f"A scene needs square sensors and the first is {sizes[0, 0]:g} x {sizes[0, 1]:g} with {rows} rows and "
-            f"{columns} columns."
+            f"A scene needs square sensors and the first is {sizes[0, 0]:g} x {sizes[0, 1]:g} with {pad.shape[0]} rows and "
+            f"{pad.shape[1]} columns."
         )
     if not isinstance(scene, Scene):
         named = {"preset": scene} if isinstance(scene, str) else dict(scene)

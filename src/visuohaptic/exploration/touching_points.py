@@ -80,10 +80,11 @@ def nearest_locations(
     points = point_rows(at, "at", FARTHEST_POINT)
     if not len(points):
         raise ParameterError("at has no points; at least one is needed.")
-    side = parameters.sensor.resolution
-    if len(points) * side**2 > MOST_SENSING_POINTS:
+    taxels = parameters.sensor.taxels
+    count = len(points) * len(taxels)
+    if count > MOST_SENSING_POINTS:
         raise ParameterError(
-            f"{len(points)} touches of {side} x {side} have {len(points) * side**2} sensing points; "
+            f"{len(points)} touches of {' x '.join(map(str, taxels.shape))} have {count} sensing points; "
             f"{MOST_SENSING_POINTS} are allowed: touch in several calls."
         )
     nearest, faces = caster.nearest(points)

@@ -19,6 +19,7 @@ from contourlets import (
 from visuohaptic.base.errors import ParameterError
 from visuohaptic.base.registry import Registry
 from visuohaptic.features.imprint_shape import describe_imprint_shape
+from visuohaptic.geometry.layouts import Layout
 
 
 @dataclass(frozen=True)
@@ -32,11 +33,15 @@ class Descriptor:
     describe : callable
         ``describe(imprints, parameters)`` takes imprints (n, r, r), float32, 0 to 1, and the section `features`. It
         returns numbers (n, k), float64, with k at most 16. Each row must depend only on its own imprint.
+    any_layout : bool
+        Whether the function takes any layout: ``describe(imprints, parameters, layout)``, with imprints (n, taxels) and
+        the `Layout`, or imprints (n, r, r) and None. By default only imprints of a square grid are described.
     """
 
     name: str
     label: str
     describe: Callable[..., NDArray[np.float64]]
+    any_layout: bool = False
 
 
 def _contourlet_deviations(imprints: NDArray[np.float32], parameters: Any) -> NDArray[np.float64]:
@@ -67,8 +72,15 @@ def _wavelet_deviations(imprints: NDArray[np.float32], parameters: Any) -> NDArr
     return wavelet_deviations(imprints, "db2", parameters.wavelet_levels)
 
 
-def _image_statistics(imprints: NDArray[np.float32], _: object) -> NDArray[np.float64]:
-    return describe_imprint_shape(imprints)
+def _image_statistics(
+    imprints: NDArray[np.float32], _: object, layout: Layout | None
+) -> NDArray[np.float64]:
+    return describe_imprint_shape(imprints, layout)
+
+
+def any_layout_names() -> list[str]:
+    """Return the names of the descriptors that take any layout."""
+    return [entry.name for entry in DESCRIPTORS if entry.any_layout]
 
 
 DESCRIPTORS = Registry(
@@ -76,5 +88,7 @@ DESCRIPTORS = Registry(
     Descriptor("contourlet", "deviations of 16 contourlet bands", _contourlet_deviations),
     Descriptor("nonsubsampled_contourlet", "nonsubsampled contourlet", _nonsubsampled_deviations),
     Descriptor("wavelet", "wavelet (db2)", _wavelet_deviations),
-    Descriptor("image_statistics", "statistics of the raw imprint", _image_statistics),
+    Descriptor(
+        "image_statistics", "statistics of the raw imprint", _image_statistics, any_layout=True
+    ),
 )

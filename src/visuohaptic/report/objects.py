@@ -12,6 +12,7 @@ import pyarrow as pa
 
 from visuohaptic.evaluation.summary import select
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
+from visuohaptic.geometry.layouts import Layout
 from visuohaptic.pictures.encoding import data_uri, picture_size, webp_address
 from visuohaptic.pictures.imprint_scale import imprint_scale
 from visuohaptic.pictures.model_figure import ModelFigure
@@ -21,8 +22,8 @@ from visuohaptic.report.run import Run
 from visuohaptic.report.shown import OBJECTS_AT_MOST
 from visuohaptic.report.wording import anchor_of, place_in_view, strategy_name
 from visuohaptic.tables.phases import by_object, key_of, keys_of
-from visuohaptic.tables.schema import images
-from visuohaptic.touches.touch_table import touch_squares
+from visuohaptic.tables.schema import readings
+from visuohaptic.touches.touch_table import touch_outlines
 
 PredictionCounts = Mapping[tuple[str, int], Counter[str]]
 """How often each class was predicted, by strategy and viewpoint."""
@@ -170,6 +171,7 @@ def describe_objects(run: Run) -> list[ObjectPage]:
             cameras,
             answers.get(key, {}),
             scale.sentence,
+            run.parameters.sensor.taxels,
         )
         for key in choose_objects(run)
     ]
@@ -195,12 +197,15 @@ def _describe(
     cameras: Sequence[Camera],
     answers: PredictionCounts,
     imprint_words: str,
+    layout: Layout,
 ) -> ObjectPage:
     seen, fixations, touches = tables
     rows = seen.drop_columns(["view", "saliency", "conspicuity"]).to_pylist()
     looked, fixated = (select(table, strategy="fixation") for table in (fixations, touches))
     stored = {name: dict(pictures[name]) for name in ("views", "saliency", "imprints")}
-    views = tuple(_view_page(row, stored, looked, fixated, cameras, answers) for row in rows)
+    views = tuple(
+        _view_page(row, stored, looked, fixated, cameras, answers, layout) for row in rows
+    )
     # An azimuth of 45 degrees shows front and side.
     shown = min(
         views, key=lambda view: (abs((view.azimuth - 45 + 180) % 360 - 180), view.viewpoint)
@@ -254,15 +259,16 @@ def _view_page(
     touches: pa.Table,
     cameras: Sequence[Camera],
     answers: PredictionCounts,
+    layout: Layout,
 ) -> ViewPage:
     viewpoint = row["viewpoint"]
     felt, looked = (select(table, viewpoint=viewpoint) for table in (touches, fixations))
-    imprints = images(felt) if felt.num_rows else np.zeros((0, 1, 1), dtype=np.float32)
+    is_near = readings(felt) > 0.9 if felt.num_rows else np.zeros((0, 1), dtype=bool)
     eye = np.array([row["eye_x"], row["eye_y"], row["eye_z"]], dtype=np.float64)
     stored = {name: by_viewpoint.get(viewpoint) for name, by_viewpoint in pictures.items()}
     height, width = picture_size(pictures["views"][viewpoint])
     squares = (
-        cameras[viewpoint].project(touch_squares(felt), height).tolist()
+        cameras[viewpoint].project(touch_outlines(felt, layout), height).tolist()
         if viewpoint < len(cameras)
         else []
     )
@@ -283,7 +289,7 @@ def _view_page(
             {"number": touch + 1, "size": size, "state": state, "near": near}
             for touch, size, state, near in zip(
                 *(felt[name].to_pylist() for name in ("touch", "sensor_size", "contact_state")),
-                (imprints > 0.9).mean(axis=(1, 2)).tolist(),
+                is_near.mean(axis=1).tolist(),
                 strict=True,
             )
         ],

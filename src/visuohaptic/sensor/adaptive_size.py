@@ -1,17 +1,15 @@
-"""The largest square that does not penetrate the object, by rays within its plane."""
+"""The largest pad that does not penetrate the object, by rays within the plane of a flat pad."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from visuohaptic.base.arrays import FloatArray
+from visuohaptic.geometry.layouts import Layout
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.sensor.imprints import RAYS_IN_FLIGHT, Poses, sensing_offsets
+from visuohaptic.sensor.imprints import RAYS_IN_FLIGHT, Poses
 
-PERIMETER_RAYS = 128
-"""Rays from the centre of a square to its perimeter."""
-
-# A square is smaller than its bound by this share, so that rounding can't make it touch the bound.
+# A pad is smaller than its bound by this share, so that rounding can't make it touch the bound.
 _STAND_CLEAR = 1e-9
 
 
@@ -23,39 +21,41 @@ def box_heights(caster: RayCaster, poses: Poses) -> FloatArray:
     return (corners * poses.normals).sum(axis=1)
 
 
-def free_half_sizes(caster: RayCaster, poses: Poses, height: float) -> FloatArray:
-    """Compute the half edge (n,) to which a square can grow before the surface crosses its plane, object radii.
+def free_half_sizes(caster: RayCaster, poses: Poses, height: float, layout: Layout) -> FloatArray:
+    """Compute the half width (n,) to which a flat pad can grow before the surface crosses its plane, object radii.
 
     The plane lies at `height`, the penetration tolerance, above the tangent plane. Rays within this plane, from the
-    centre to `PERIMETER_RAYS` points of the perimeter, hit the surface where it crosses the plane. They also hit
-    sheets parallel to the normal, which rays along the normal miss. Without a hit the result is infinite.
+    centre to the points of `layout.outline`, hit the surface where it crosses the plane. They also hit sheets parallel
+    to the normal, which rays along the normal miss. Without a hit, and for a pad that is not flat, the result is infinite.
     """
     free = np.full(len(poses), np.inf)
-    step = RAYS_IN_FLIGHT // PERIMETER_RAYS
-    perimeter = _perimeter_directions()
+    outline = layout.outline
+    if not len(outline):
+        return free
+    step = RAYS_IN_FLIGHT // len(outline)
     for start in range(0, len(poses), step):
         part = poses[start : start + step]
-        # Directions have length 1 in the maximum norm, so that distances are half edges. Components are separate
-        # arrays, so that NumPy's inner loops run along the rays.
+        # Directions reach to the outline of the pad with the half width 1, so that distances are half widths. Components
+        # are separate arrays, so that NumPy's inner loops run along the rays.
         directions = (
-            perimeter[:, 0] * part.columns.T[:, :, None] + perimeter[:, 1] * part.rows.T[:, :, None]
+            outline[:, 0] * part.columns.T[:, :, None] + outline[:, 1] * part.rows.T[:, :, None]
         )
-        origins = np.repeat((part.points + height * part.normals).T, PERIMETER_RAYS, axis=1)
+        origins = np.repeat((part.points + height * part.normals).T, len(outline), axis=1)
         distances = caster.first_hits(origins.T, directions.reshape(3, -1).T).distance
-        free[start : start + step] = distances.reshape(-1, PERIMETER_RAYS).min(axis=1)
+        free[start : start + step] = distances.reshape(-1, len(outline)).min(axis=1)
     return free
 
 
-def unobstructed_half_sizes(heights: FloatArray, sizes: FloatArray, tolerance: float) -> FloatArray:
-    """Compute the half edge (n,) of the square without sensing points above `tolerance`, object radii.
+def unobstructed_half_sizes(
+    heights: FloatArray, sizes: FloatArray, tolerance: float, layout: Layout
+) -> FloatArray:
+    """Compute the half width (n,) of the pad without taxels below a surface higher than `tolerance`, object radii.
 
-    The result is the distance in the maximum norm from the centre to the nearest sensing point above the tolerance.
-    Without such a point it is infinite. `heights` (n, r, r) are results of `cast_heights` for squares with edges
-    `sizes` (n,), object radii.
+    The result is the half width at which the outline crosses the nearest such taxel. Without such a taxel it is infinite.
+    `heights` (n, *layout.shape) are results of `cast_heights` for pads of `sizes` (n,), object radii.
     """
-    offsets = np.abs(sensing_offsets(heights.shape[-1]))
-    distance = np.maximum(offsets[:, None], offsets[None, :])
-    nearest = np.where(heights > tolerance, distance, np.inf).min(axis=(1, 2))
+    above = heights.reshape(-1, len(layout)) > tolerance
+    nearest = np.where(above, layout.norms, np.inf).min(axis=1)
     return 0.5 * sizes * nearest
 
 
@@ -69,19 +69,5 @@ def approach_distances(caster: RayCaster, poses: Poses, height: float) -> FloatA
 
 
 def admissible_sizes(half_sizes: FloatArray, smallest: float, largest: float) -> FloatArray:
-    """Return the edges (n,) of squares from bounds on their half edges (n,), object radii."""
+    """Return the sizes (n,) of pads from bounds on their half widths (n,), object radii."""
     return np.clip(2 * half_sizes * (1 - _STAND_CLEAR), smallest, largest)
-
-
-def _perimeter_directions() -> FloatArray:
-    side = PERIMETER_RAYS // 4
-    along = -1 + 2 * np.arange(side) / side
-    edge = np.ones(side)
-    return np.concatenate(
-        [
-            np.column_stack([along, -edge]),
-            np.column_stack([edge, along]),
-            np.column_stack([-along, edge]),
-            np.column_stack([-edge, -along]),
-        ]
-    )

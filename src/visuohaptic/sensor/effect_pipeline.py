@@ -19,16 +19,16 @@ from visuohaptic.sensor.random_fields import RandomFields
 
 @dataclass(frozen=True)
 class TouchBatch:
-    """Input of the effects for n touches; r is the sensor's resolution.
+    """Input of the effects for n touches: (n, r, r) of a square grid, (n, taxels) of other layouts.
 
     Attributes
     ----------
     scene : Scene
         The scene.
-    gaps_m : ndarray of shape (n, r, r), float64
-        Distance from the sensor's plane down to the object, metres.
+    gaps_m : ndarray of shape (n, *layout.shape), float64
+        Distance from each taxel to the object along the taxel's direction, metres.
     cell_edges_m : ndarray of shape (n,), float64
-        Edge of a sensing cell, metres.
+        Edge of a sensing cell, metres: the spacing of the taxels.
     fields : RandomFields or None
         Source of random numbers; None if no effect is random.
     """
@@ -66,7 +66,7 @@ class TouchBatch:
 
 @dataclass(frozen=True)
 class Signal:
-    """The cells' outputs between two effects, (n, r, r), float64, of full scale.
+    """The cells' outputs between two effects, (n, *layout.shape), float64, of full scale.
 
     `now` is the output at the reading, `peak` the highest output since the cells were last unloaded. Without a
     release both are the same array.

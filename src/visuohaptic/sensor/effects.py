@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from visuohaptic.base.arrays import BoolArray, FloatArray
+from visuohaptic.base.errors import ParameterError
 from visuohaptic.base.registry import Registry
 from visuohaptic.scene.parameters import Scene, check_free, grow_scene
 from visuohaptic.scene.records import EffectRecord
@@ -31,12 +32,12 @@ def simulate(batch: TouchBatch, contact: FloatArray) -> tuple[FloatArray, tuple[
     ----------
     batch : TouchBatch
         The touches and the scene.
-    contact : ndarray of shape (n, r, r), float64
+    contact : ndarray of shape (n, *layout.shape), float64
         Output of a sensor without a cover, 0 to 1.
 
     Returns
     -------
-    readings : ndarray of shape (n, r, r), float64
+    readings : ndarray of shape (n, *layout.shape), float64
         Readings, of full scale, clipped to 0 to 1.
     records : tuple of EffectRecord
         One record per effect.
@@ -112,6 +113,8 @@ def _pressures(batch: TouchBatch, depth_m: float) -> FloatArray:
     scene = batch.scene
     indentations = depth_m - batch.gaps_m
     elastic = (scene.cover_modulus_pa, scene.cover_poisson_ratio)
+    if scene.cover == "half_space":
+        _check_grid(batch.gaps_m, "scene.cover", "half_space", "winkler")
     if scene.cover == "winkler":
         pressures = winkler_pressures(indentations, *elastic, scene.cover_thickness_m)
     else:
@@ -206,6 +209,8 @@ def _need_crosstalk(batch: TouchBatch, signal: Signal) -> EffectDecision:
 def _run_crosstalk(batch: TouchBatch, signal: Signal) -> Signal:
     scene = batch.scene
     scale = scene.full_scale_conductance_s
+    if scene.readout != "ideal":
+        _check_grid(signal.now, "scene.readout", scene.readout, "ideal")
     if scene.readout == "floating":
         return signal.map(
             lambda values: read_floating(scale * values, scene.stand_off_conductance_s) / scale
@@ -215,6 +220,15 @@ def _run_crosstalk(batch: TouchBatch, signal: Signal) -> Signal:
     return signal.map(lambda values: read_grounded(values, resistance * scale))
 
 
+def _check_grid(values: FloatArray, parameter: str, found: str, allowed: str) -> None:
+    """Raise `ParameterError` if the values of n touches, (n, …), are not those of a square grid."""
+    if values.ndim != 3 or values.shape[1] != values.shape[2]:
+        raise ParameterError(
+            f"{parameter} is {found}, which needs a square grid of taxels, and the layout has "
+            f"{' x '.join(map(str, values.shape[1:]))} taxels; {parameter}: {allowed} works on any layout."
+        )
+
+
 def _need_noise(batch: TouchBatch, _: Signal) -> EffectDecision:
     if batch.scene.noise == 0:
         return _nowhere(batch, "the amplifier has no noise")
@@ -222,7 +236,7 @@ def _need_noise(batch: TouchBatch, _: Signal) -> EffectDecision:
 
 
 def _run_noise(batch: TouchBatch, signal: Signal) -> Signal:
-    deviates = batch.random.of_touches("noise", signal.now.shape[-1])
+    deviates = batch.random.of_touches("noise", signal.now.shape[1:])
     now = signal.now + batch.scene.noise * deviates
     return Signal(now, now)
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.base.arrays import BoolArray, FloatArray
+from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
+from visuohaptic.geometry.layouts import Layout, grid_layout
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.sensor.frames import column_axes, row_axes
 from visuohaptic.sensor.parameters import Orientation
@@ -61,19 +62,14 @@ def make_poses(
     return Poses(points, normals, columns, row_axes(normals, columns))
 
 
-def sensing_offsets(resolution: int) -> FloatArray:
-    """Return the sensing points (r,) along an axis of the square, the centres of equal cells, in half edges."""
-    return (2 * np.arange(resolution) + 1 - resolution) / resolution
-
-
 def cast_heights(
     caster: RayCaster,
     poses: Poses,
     sizes: FloatArray,
     lifts: FloatArray,
-    resolution: int | tuple[int, int],
+    layout: Layout,
 ) -> FloatArray:
-    """Cast rays from the sensing points against the normals and return the height of the surface.
+    """Cast a ray from each taxel along its direction and return the height of the surface.
 
     Parameters
     ----------
@@ -82,39 +78,39 @@ def cast_heights(
     poses : Poses
         The n sensors.
     sizes : ndarray of shape (n,) or (n, 2)
-        Edges of the squares, object radii; for rectangles the edges along `Poses.rows` and `Poses.columns`.
+        Widths of the pads, object radii; for rectangles the edges along `Poses.rows` and `Poses.columns`.
     lifts : ndarray of shape (n,)
-        Heights above the tangent plane at which the rays start, object radii.
-    resolution : int or tuple of int
-        Rows and columns of sensing points.
+        Distances behind the taxels at which the rays start, object radii; in a curved pad at most `Layout.body`.
+    layout : Layout
+        The taxels.
 
     Returns
     -------
-    ndarray of shape (n, r, c), float64
-        Height of the first hit above the tangent plane, object radii: negative below the plane, minus infinity
-        without a hit.
+    ndarray of shape (n, *layout.shape), float64
+        Height of the first hit above each taxel, against the taxel's direction, object radii: negative for a gap, minus
+        infinity without a hit. The taxels of a flat pad are in the tangent plane.
     """
-    grid = (resolution, resolution) if isinstance(resolution, int) else resolution
     edges = sizes if sizes.ndim == 2 else np.column_stack([sizes, sizes])
-    heights = np.full((len(poses), *grid), -np.inf)
-    step = max(1, RAYS_IN_FLIGHT // (grid[0] * grid[1]))
+    heights = np.full((len(poses), len(layout)), -np.inf)
+    step = max(1, RAYS_IN_FLIGHT // len(layout))
     for start in range(0, len(poses), step):
         part = slice(start, start + step)
-        heights[part] = _cast_part(caster, poses[part], edges[part], lifts[part], grid)
-    return heights
+        heights[part] = _cast_part(caster, poses[part], edges[part], lifts[part], layout)
+    return heights.reshape(len(poses), *layout.shape)
 
 
 def _cast_part(
-    caster: RayCaster, poses: Poses, edges: FloatArray, lifts: FloatArray, grid: tuple[int, int]
+    caster: RayCaster, poses: Poses, edges: FloatArray, lifts: FloatArray, layout: Layout
 ) -> FloatArray:
-    origins, directions = _rays(poses, edges, lifts, grid)
-    drop = np.max(CRACK_DEPTH * edges / np.array(grid), axis=1)
+    lifts = np.minimum(lifts, 0.5 * edges[:, 1] * layout.body)
+    origins, directions = _rays(poses, edges, lifts, layout)
+    drop = np.max(CRACK_DEPTH * edges / np.array(layout.counts), axis=1)
 
     def falls_between(distances: FloatArray) -> BoolArray:
-        return _falls_between(distances.reshape(-1, *grid), drop).ravel()
+        return _falls_between(distances.reshape(len(poses), -1), drop, layout.triples).ravel()
 
     distances = caster.first_hits(origins, directions, falls_between).distance
-    return lifts[:, None, None] - distances.reshape(-1, *grid)
+    return lifts[:, None] - distances.reshape(len(poses), -1)
 
 
 def smooth_normals(caster: RayCaster, poses: Poses, size: float, clearance: float) -> FloatArray:
@@ -125,9 +121,8 @@ def smooth_normals(caster: RayCaster, poses: Poses, size: float, clearance: floa
     pose's normal have equal weights. So the result is less than 90 degrees from the pose's normal.
     """
     count = len(poses)
-    origins, directions = _rays(
-        poses, np.full((count, 2), size), np.full(count, clearance), (SMOOTHING_RESOLUTION,) * 2
-    )
+    grid = grid_layout(SMOOTHING_RESOLUTION, SMOOTHING_RESOLUTION)
+    origins, directions = _rays(poses, np.full((count, 2), size), np.full(count, clearance), grid)
     hits = caster.first_hits(origins, directions)
     normals = caster.surface.face_normals[hits.face]
     towards = np.einsum("ij,ij->i", normals, directions) < 0
@@ -138,26 +133,34 @@ def smooth_normals(caster: RayCaster, poses: Poses, size: float, clearance: floa
 
 
 def _rays(
-    poses: Poses, edges: FloatArray, lifts: FloatArray, grid: tuple[int, int]
+    poses: Poses, edges: FloatArray, lifts: FloatArray, layout: Layout
 ) -> tuple[FloatArray, FloatArray]:
-    """Return origins and directions of the rays from all sensing points, (n × rows × columns, 3) each."""
+    """Return origins and directions of the rays from all taxels, (n × taxels, 3) each."""
     # Components are separate arrays, so that NumPy's inner loops run along the rays.
-    down, aside = (
-        0.5 * edges[:, [axis]] * sensing_offsets(count) for axis, count in enumerate(grid)
-    )
-    centres = (poses.points + lifts[:, None] * poses.normals).T
-    along_rows = centres[:, :, None] + down * poses.rows.T[:, :, None]
-    along_columns = aside * poses.columns.T[:, :, None]
-    origins = along_rows[:, :, :, None] + along_columns[:, :, None, :]
-    directions = np.repeat(-poses.normals.T, grid[0] * grid[1], axis=1)
-    return origins.reshape(3, -1).T, directions.T
+    half = 0.5 * edges
+    scales = (half[:, 1:], half[:, :1], half[:, 1:])
+    axes = (poses.columns, poses.rows, poses.normals)
+    origins, directions = poses.points.T[:, :, None], []
+    # The normal comes first, and rows before columns, because the order of a sum decides its last digit.
+    for axis in (2, 1, 0):
+        position, direction = layout.coordinates[axis]
+        along = axes[axis].T[:, :, None]
+        start = scales[axis] * position
+        if direction.any():
+            start = start - lifts[:, None] * direction
+            directions.append(direction * along)
+        origins = origins + start * along
+    shape = (3, len(poses), len(layout))
+    looking = np.broadcast_to(sum(directions[1:], directions[0]), shape)
+    return np.broadcast_to(origins, shape).reshape(3, -1).T, looking.reshape(3, -1).T
 
 
-def _falls_between(distances: FloatArray, drop: FloatArray) -> BoolArray:
-    """Return whether each ray (n, r, c) is longer than both its neighbours along an axis by more than `drop` (n,)."""
+def _falls_between(distances: FloatArray, drop: FloatArray, triples: IntArray) -> BoolArray:
+    """Return whether each ray (n, t) is longer than both neighbours of one of its triples by more than `drop` (n,)."""
     falls = np.zeros(distances.shape, dtype=bool)
-    bounds = distances - drop[:, None, None]
-    inner = slice(1, -1)
-    falls[:, :, inner] = bounds[:, :, inner] > np.maximum(distances[:, :, :-2], distances[:, :, 2:])
-    falls[:, inner] |= bounds[:, inner] > np.maximum(distances[:, :-2], distances[:, 2:])
+    taxels, first, second = triples
+    bounds = distances - drop[:, None]
+    deeper = bounds[:, taxels] > np.maximum(distances[:, first], distances[:, second])
+    rows, fallen = np.nonzero(deeper)
+    falls[rows, taxels[fallen]] = True
     return falls

@@ -1,16 +1,17 @@
-"""Placing sensors on the object: obstacles of the approach, the size of the square, and the heights under it."""
+"""Placing sensors on the object: obstacles of the approach, the size of the pad, and the heights under it."""
 
 from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.base.arrays import BoolArray, FloatArray
 from visuohaptic.base.bounded_loops import turns
+from visuohaptic.geometry.layouts import Layout
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import Mode
 from visuohaptic.scene.records import EffectRecord
@@ -37,6 +38,9 @@ Under an obstacle, rays start at most this high above the tangent plane. Surface
 block the touch.
 """
 
+HALVINGS = 6
+"""Steps of the search for the size of a pad that is not flat. Our choice: 1/64 of the difference that the pad shrank."""
+
 
 @dataclass(frozen=True)
 class Placed:
@@ -46,19 +50,26 @@ class Placed:
     ----------
     poses : Poses
         Frames of the n sensors.
-    heights : ndarray of shape (n, r, r)
-        Heights of the surface above the tangent plane, negative below it, minus infinity without a hit. Under an
-        obstacle the surface below the obstacle counts.
+    highest : ndarray of shape (n,)
+        Largest height of the surface above the points that the approach checks, along the normal, for the pad at the
+        touched point. Under an obstacle the surface below the obstacle counts.
+    heights : ndarray of shape (n, *layout.shape)
+        Heights of the surface above the taxels, against their directions: negative for a gap, minus infinity without a
+        hit. A flat pad is at the touched point, every other pad where it rests.
+    gaps : ndarray of shape (n, *layout.shape)
+        Distances from the taxels of the resting pad to the surface, along their directions.
     sizes : ndarray of shape (n,)
-        Edges of the squares.
+        Widths of the pads.
     blocked : ndarray of shape (n,), bool
-        Whether an obstacle is above the centre, or the surface within the square is higher than `CLEARANCE`.
+        Whether an obstacle is above the centre, or `highest` exceeds `CLEARANCE`.
     record : EffectRecord
         Record of effect ``adaptive_size``.
     """
 
     poses: Poses
+    highest: FloatArray
     heights: FloatArray
+    gaps: FloatArray
     sizes: FloatArray
     blocked: BoolArray
     record: EffectRecord
@@ -69,12 +80,18 @@ def place_batch(
 ) -> Placed:
     """Place sensors on the object and measure the surface under them; each placement depends only on its own pose.
 
-    A square whose size adapts is as large as the object allows, from `parameters.smallest_size` to
-    `parameters.largest_size`: no height within the square exceeds `PENETRATION_TOLERANCE`. The smallest square is
-    taken even if the object penetrates it. A square whose size does not adapt has the largest size.
+    A pad whose size adapts is as large as the object allows, from `parameters.smallest_size` to
+    `parameters.largest_size`: no height above its points exceeds `PENETRATION_TOLERANCE`. The smallest pad is
+    taken even if the object penetrates it. A pad whose size does not adapt has the largest size.
 
-    An adaptive size has two steps. First, rays parallel to the tangent plane find walls, even walls without thickness.
-    Then the measured heights find surfaces above these rays, such as overhangs.
+    An adaptive size has two steps. First, for flat pads, rays parallel to the tangent plane find walls, even walls without
+    thickness. Then the measured heights find surfaces above these rays, such as overhangs.
+
+    A pad that is not flat bends more at a smaller size, so that the second step shrinks the pad too far. Its size is then
+    searched between the last size that penetrates and the admissible size, in `HALVINGS` steps.
+
+    The pad moves along its axis until its first point meets the surface, at most down to the probed point. The points are
+    the taxels, and in pads that are not flat also points between neighbouring taxels (`Layout.approach`).
 
     Heights are measured by rays from outside the object. If an obstacle is above the sensor's centre, the rays start
     below this obstacle, at most `CLEARANCE` above the tangent plane.
@@ -86,7 +103,7 @@ def place_batch(
     poses : Poses
         Frames of the sensors.
     parameters : SensorParameters
-        Resolution, and the smallest and largest size.
+        Layout, and the smallest and largest size.
     mode : {"auto", "always", "never"}
         When the size adapts: ``auto`` only where the object's bounding box reaches above the tangent plane. Sizes
         and heights are the same as with ``always``.
@@ -96,7 +113,7 @@ def place_batch(
     Placed
         The poses, heights and sizes of the sensors, whether they are blocked, and the record of the effect.
     """
-    tolerance, resolution = PENETRATION_TOLERANCE, parameters.resolution
+    tolerance, layout = PENETRATION_TOLERANCE, parameters.taxels
     obstacles = approach_distances(caster, poses, tolerance)
     obstructed = np.isfinite(obstacles)
     under_obstacle = np.minimum(CLEARANCE, 0.5 * (tolerance + obstacles))
@@ -106,32 +123,48 @@ def place_batch(
     started = time.process_time()
     # The limit is half the tolerance: below it no surface exceeds the tolerance, even after rounding. So `auto`
     # gives the same bits as `always`.
-    needing = box_heights(caster, poses) > 0.5 * tolerance
+    lowest = 0.5 * parameters.largest_size * layout.lowest
+    needing = box_heights(caster, poses) > 0.5 * tolerance + lowest
     adapting = needing if mode == "auto" else np.full(len(poses), mode == "always")
     rows = np.flatnonzero(adapting)
     sizes[rows] = admissible_sizes(
-        free_half_sizes(caster, poses[rows], tolerance),
+        free_half_sizes(caster, poses[rows], tolerance, layout),
         parameters.smallest_size,
         parameters.largest_size,
     )
     sizing = time.process_time() - started
 
-    heights = cast_heights(caster, poses, sizes, lifts, resolution)
+    above = cast_heights(caster, poses, sizes, lifts, layout.approach)
     started = time.process_time()
-    _shrink_by_heights(caster, poses, parameters, lifts, rows, sizes, heights)
+    tried = sizes.copy()
+    _shrink_by_heights(caster, poses, parameters, lifts, rows, sizes, above)
+    if not layout.is_flat:
+        rows = np.flatnonzero((sizes < tried) & _is_admissible(above))
+        _grow_back(caster, poses, layout, lifts, rows, tried, sizes, above)
     sizing += time.process_time() - started
 
-    tall = (heights > CLEARANCE).any(axis=(1, 2))
+    highest = above.reshape(-1, len(layout.approach)).max(axis=1)
+    # A rigid pad rests where its first point meets the surface, at least as high as the probed point.
+    resting = np.clip(highest, 0.0, CLEARANCE)
+    if layout.is_flat:
+        # The rays of the approach are those of the taxels.
+        heights = above
+        gaps = resting.reshape(-1, *[1] * len(layout.shape)) - heights
+    else:
+        raised = replace(poses, points=poses.points + resting[:, None] * poses.normals)
+        # The approach keeps the taxels out of the object, so that rays start within the sensor's body.
+        heights = cast_heights(caster, raised, sizes, np.minimum(lifts, CLEARANCE), layout)
+        gaps = -heights
     record = EffectRecord(
         "adaptive_size",
         mode,
         "where the object's bounding box reaches above the tangent plane",
         len(poses),
         int(needing.sum()),
-        len(rows),
+        int(adapting.sum()),
         sizing,
     )
-    return Placed(poses, heights, sizes, obstructed | tall, record)
+    return Placed(poses, highest, heights, gaps, sizes, obstructed | (highest > CLEARANCE), record)
 
 
 def _shrink_by_heights(
@@ -141,20 +174,46 @@ def _shrink_by_heights(
     lifts: FloatArray,
     rows: NDArray[np.intp],
     sizes: FloatArray,
-    heights: FloatArray,
+    above: FloatArray,
 ) -> None:
-    """Shrink squares `rows` in place until no height exceeds the tolerance, or to the smallest size."""
-    tolerance, resolution = PENETRATION_TOLERANCE, parameters.resolution
-    # The outermost sensing points are half a cell inside the edges, so a pass shrinks a square at least by the factor
-    # 1 - 1 / resolution. The last pass finds that no square shrinks.
+    """Shrink pads `rows` in place until no height `above` exceeds the tolerance, or to the smallest size."""
+    tolerance, points = PENETRATION_TOLERANCE, parameters.taxels.approach
+    # A pass shrinks a pad to the norm of one of its points, and all norms are below 1: the outermost sensing points of
+    # a square are half a cell inside its edges. The last pass finds that no pad shrinks.
     ratio = parameters.largest_size / parameters.smallest_size
-    passes = math.ceil(math.log(ratio) / -math.log1p(-1 / resolution)) + 2
-    for _ in turns(passes, "the shrinking of squares"):
+    passes = math.ceil(math.log(ratio) / -math.log(points.norms.max())) + 2
+    for _ in turns(passes, "the shrinking of pads"):
         if not len(rows):
             return
-        free = unobstructed_half_sizes(heights[rows], sizes[rows], tolerance)
+        free = unobstructed_half_sizes(above[rows], sizes[rows], tolerance, points)
         smaller = admissible_sizes(free, parameters.smallest_size, parameters.largest_size)
         shrinks = smaller < sizes[rows]
         rows = rows[shrinks]
         sizes[rows] = smaller[shrinks]
-        heights[rows] = cast_heights(caster, poses[rows], sizes[rows], lifts[rows], resolution)
+        above[rows] = cast_heights(caster, poses[rows], sizes[rows], lifts[rows], points)
+
+
+def _grow_back(
+    caster: RayCaster,
+    poses: Poses,
+    layout: Layout,
+    lifts: FloatArray,
+    rows: NDArray[np.intp],
+    tried: FloatArray,
+    sizes: FloatArray,
+    above: FloatArray,
+) -> None:
+    """Grow admissible pads `rows` in place towards their sizes `tried`, which are not admissible, by halving."""
+    upper = tried[rows]
+    for _ in range(HALVINGS):
+        middle = 0.5 * (sizes[rows] + upper)
+        heights = cast_heights(caster, poses[rows], middle, lifts[rows], layout.approach)
+        fits = _is_admissible(heights)
+        sizes[rows[fits]], above[rows[fits]] = middle[fits], heights[fits]
+        upper = np.where(fits, upper, middle)
+
+
+def _is_admissible(heights: FloatArray) -> BoolArray:
+    """Return whether no height of each pad, (n, …), exceeds the tolerance."""
+    fits: BoolArray = np.all(heights <= PENETRATION_TOLERANCE, axis=tuple(range(1, heights.ndim)))
+    return fits

@@ -40,9 +40,8 @@ class RandomFields:
         """Return the generator of an effect's random numbers that are constant for the sensor."""
         return spawn_generator(self.seed, "sensor", self.sensor, effect)
 
-    def of_touches(self, effect: str, resolution: int) -> FloatArray:
-        """Draw standard normal deviates (n, r, r) of an effect that differ between touches."""
-        shape = (resolution, resolution)
+    def of_touches(self, effect: str, shape: tuple[int, ...]) -> FloatArray:
+        """Draw standard normal deviates (n, *shape) of an effect that differ between touches."""
         fields = [
             spawn_generator(self.seed, "touch", *names, effect).standard_normal(shape)
             for names in self.touches

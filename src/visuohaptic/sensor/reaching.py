@@ -1,4 +1,4 @@
-"""The sensor's reach: locations of an object that the smallest square can touch."""
+"""The sensor's reach: locations of an object that the smallest pad can touch."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ def reachable(
 ) -> BoolArray:
     """Return whether the sensor can reach each location; each result depends only on its own location.
 
-    The smallest square comes from outside the object, straight along the sensor's normal, until its centre meets the
-    location. The location is in reach if no part of the object within the square is higher above the tangent plane
-    than `PENETRATION_TOLERANCE`. Rays at the centre and at the sensing points find such parts.
+    The smallest pad comes from outside the object, straight along the sensor's normal, until its centre meets the
+    location. The location is in reach if no part of the object is higher above a point of the pad than
+    `PENETRATION_TOLERANCE`. Rays at the centre and at the points of `Layout.approach` find such parts.
 
     If mode `adaptive_size` is ``auto`` or ``always``, touches in reach are never ``blocked`` or ``at_minimum``.
 
@@ -53,7 +53,9 @@ def reachable(
 def _reachable_batch(caster: RayCaster, poses: Poses, parameters: SensorParameters) -> BoolArray:
     tolerance = PENETRATION_TOLERANCE
     # No rays are needed if the bounding box stays below the tangent plane. The limit is that of `place_batch`.
-    in_reach = box_heights(caster, poses) <= 0.5 * tolerance
+    points = parameters.taxels.approach
+    lowest = 0.5 * parameters.smallest_size * points.lowest
+    in_reach = box_heights(caster, poses) <= 0.5 * tolerance + lowest
     unsure = np.flatnonzero(~in_reach)
     unsure = unsure[np.isinf(approach_distances(caster, poses[unsure], tolerance))]
     heights = cast_heights(
@@ -61,7 +63,7 @@ def _reachable_batch(caster: RayCaster, poses: Poses, parameters: SensorParamete
         poses[unsure],
         np.full(len(unsure), parameters.smallest_size),
         np.full(len(unsure), caster.reach),
-        parameters.resolution,
+        points,
     )
-    in_reach[unsure] = (heights <= tolerance).all(axis=(1, 2))
+    in_reach[unsure] = (heights.reshape(-1, len(points)) <= tolerance).all(axis=1)
     return in_reach

@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
+from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import Mode, Scene
 from visuohaptic.scene.records import EffectRecord, merge_records
@@ -30,24 +30,24 @@ FLATNESS = 1e-4
 
 @dataclass(frozen=True)
 class Touches:
-    """Results of n touches; r is the sensor's resolution, lengths are in object radii.
+    """Results of n touches; lengths are in object radii.
 
     Attributes
     ----------
-    images : ndarray of shape (n, r, r), float32
-        Imprints, 0 to 1. 1 is contact with the sensor's plane (with a cover: full scale), 0 is out of the depth range
+    images : ndarray of shape (n, *layout.shape), float32
+        Imprints, 0 to 1: images (n, r, r) of the square, (n, taxels) of other layouts. 1 is contact with the pad (with a cover: full scale), 0 is out of the depth range
         (no pressure). With `per_imprint` the nearest point of each imprint is 1 and the farthest 0.
     size : ndarray of shape (n,)
-        Edges of the squares.
+        Widths of the pads: edges of the squares.
     contact_state : ndarray of shape (n,), str
         Values of `tables.CONTACT_STATES`.
     penetration : ndarray of shape (n,)
-        Height of the object above the tangent plane within the square.
+        Largest height of the object above the pad at the touched point, along the normal.
     normals, tangents : ndarray of shape (n, 3)
         The sensor's outward unit normal and its +column axis, object frame.
-    gaps : ndarray of shape (n, r, r)
-        Distance down to the object from the sensor's plane, which rests on the highest point within the square.
-        Infinite without a hit, negative only for parts above the clearance.
+    gaps : ndarray of shape (n, *layout.shape)
+        Distance from each taxel of the resting pad to the object, along the taxel's direction. Infinite without a hit.
+        Negative for parts above the clearance, and in other pads than the square for parts between the checked points.
     effects : tuple of EffectRecord
         One record per effect.
     """
@@ -167,42 +167,39 @@ def join_touches(parts: Sequence[Touches]) -> Touches:
     return Touches(**arrays, effects=merge_records([part.effects for part in parts]))
 
 
-def contact_states(
-    heights: FloatArray, sizes: FloatArray, blocked: BoolArray, parameters: SensorParameters
-) -> NDArray[np.str_]:
+def contact_states(placed: Placed, parameters: SensorParameters) -> NDArray[np.str_]:
     """Return the state (n,) of each touch, a value of `tables.CONTACT_STATES`: the first of these that holds.
 
     - ``blocked``: another part of the object obstructs the approach.
-    - ``at_minimum``: the object penetrates the smallest square.
-    - ``partial``: within the square a part of the object is missing, or more than the depth range below the tangent
-      plane.
-    - ``shrunk``: the square is smaller than the largest square.
-    - ``full``: the largest square.
-
-    `heights` (n, r, r), above the tangent plane, and `sizes` (n,) are in object radii.
+    - ``at_minimum``: the object penetrates the smallest pad.
+    - ``partial``: before a taxel a part of the object is missing, or lies farther than the depth range; for a flat pad
+      below the tangent plane.
+    - ``shrunk``: the pad is smaller than the largest pad.
+    - ``full``: the largest pad.
     """
-    penetrating = (heights > PENETRATION_TOLERANCE).any(axis=(1, 2))
-    partial = (heights < -parameters.depth_range).any(axis=(1, 2))
+    penetrating = placed.highest > PENETRATION_TOLERANCE
+    partial = (placed.heights < -parameters.depth_range).any(axis=_taxel_axes(placed.heights))
     return np.select(
-        [blocked, penetrating, partial, sizes < parameters.largest_size],
+        [placed.blocked, penetrating, partial, placed.sizes < parameters.largest_size],
         ["blocked", "at_minimum", "partial", "shrunk"],
         default="full",
     )
 
 
+def _taxel_axes(values: FloatArray) -> tuple[int, ...]:
+    return tuple(range(1, values.ndim))
+
+
 def _sense_batch(
     placed: Placed, parameters: SensorParameters, scene: Scene, fields: RandomFields | None
 ) -> Touches:
-    states = contact_states(placed.heights, placed.sizes, placed.blocked, parameters)
-    highest = placed.heights.max(axis=(1, 2))
-    # A rigid plane rests on the highest point within the square, which is at least as high as the probed point.
-    resting = np.clip(highest, 0.0, CLEARANCE)
-    gaps = resting[:, None, None] - placed.heights
+    states = contact_states(placed, parameters)
+    gaps = placed.gaps
     contact = 1.0 - np.clip(gaps / parameters.depth_range, 0.0, 1.0)
     batch = TouchBatch(
         scene,
         scene.object_radius_m * np.maximum(gaps, 0.0),
-        scene.object_radius_m * placed.sizes / parameters.resolution,
+        scene.object_radius_m * placed.sizes / parameters.taxels.counts[1],
         fields,
     )
     readings, records = simulate(batch, contact)
@@ -212,7 +209,7 @@ def _sense_batch(
         readings.astype(np.float32),
         placed.sizes,
         states,
-        np.maximum(highest, 0.0),
+        np.maximum(placed.highest, 0.0),
         placed.poses.normals,
         placed.poses.columns,
         gaps,
@@ -221,7 +218,8 @@ def _sense_batch(
 
 
 def stretch(readings: FloatArray, least_span: float) -> FloatArray:
-    """Stretch each image (n, r, r) to [0, 1]; images with a smaller span than `least_span` are stretched less."""
-    peak = readings.max(axis=(1, 2), keepdims=True)
-    span = np.maximum(peak - readings.min(axis=(1, 2), keepdims=True), least_span)
+    """Stretch each imprint (n, …) to [0, 1]; imprints with a smaller span than `least_span` are stretched less."""
+    axes = _taxel_axes(readings)
+    peak = readings.max(axis=axes, keepdims=True)
+    span = np.maximum(peak - readings.min(axis=axes, keepdims=True), least_span)
     return np.where(peak > 0, np.clip(1.0 - (peak - readings) / span, 0.0, 1.0), 0.0)

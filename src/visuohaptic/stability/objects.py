@@ -196,7 +196,9 @@ def fixations(sensed: SensedObject, _: np.random.Generator) -> Iterator[Finding]
 
 
 def imprints(sensed: SensedObject, _: np.random.Generator) -> Iterator[Finding]:
-    """Check that the contourlet transform reconstructs every imprint."""
+    """Check that the contourlet transform reconstructs every imprint of a square grid."""
+    if sensed.sensor.layout != "square":
+        return
     felt = images(sensed.touches).astype(np.float64)
     yield Finding(
         "contourlet reconstruction of imprints",

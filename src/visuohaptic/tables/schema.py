@@ -312,16 +312,29 @@ def images(table: pa.Table, name: str = "image") -> np.ndarray:
     Each row is a list of n² numbers, row by row. Without rows, the shape is (0, 0, 0). Raises `TableError` if the
     lists differ in length, or their length is no square number.
     """
+    rows = readings(table, name)
+    side = round(float(rows.shape[1]) ** 0.5)
+    if side * side != rows.shape[1]:
+        raise TableError(
+            f"column {name}: images have {[rows.shape[1]]} points; the same square number in all rows is needed."
+        )
+    return rows.reshape(-1, side, side)
+
+
+def readings(table: pa.Table, name: str = "image") -> np.ndarray:
+    """Return a column of m lists of t numbers as an array of shape (m, t), in the type of the column's elements.
+
+    Without rows, the shape is (0, 0). Raises `TableError` if the lists differ in length.
+    """
     column = table.column(name).combine_chunks()
     lengths = np.unique(pc.list_value_length(column).to_numpy(zero_copy_only=False))
     if not len(lengths):
-        return np.zeros((0, 0, 0), column.type.value_type.to_pandas_dtype())
-    side = round(float(lengths[0]) ** 0.5)
-    if len(lengths) != 1 or side * side != lengths[0]:
+        return np.zeros((0, 0), column.type.value_type.to_pandas_dtype())
+    if len(lengths) != 1:
         raise TableError(
             f"column {name}: images have {lengths.tolist()} points; the same square number in all rows is needed."
         )
-    return np.asarray(column.flatten()).reshape(-1, side, side)
+    return np.asarray(column.flatten()).reshape(-1, lengths[0])
 
 
 def _arrow_table(schema: Schema, given: object) -> pa.Table:

@@ -9,6 +9,7 @@ import numpy as np
 import pyarrow as pa
 
 from visuohaptic.base.arrays import FloatArray, IntArray
+from visuohaptic.geometry.layouts import Layout
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import Mode, Scene
 from visuohaptic.scene.records import EffectRecord
@@ -82,13 +83,12 @@ def touch_part(
     return Part(touch_table(fixations, felt, ranks), felt.effects)
 
 
-def touch_squares(touches: pa.Table) -> FloatArray:
-    """Compute the corners (n, 4, 3), object frame, of the sensor's squares from rows of `tables.TOUCHES`."""
+def touch_outlines(touches: pa.Table, layout: Layout) -> FloatArray:
+    """Compute the outlines (n, k, 3) of the pads, object frame, from rows of `tables.TOUCHES`: 4 corners of a square."""
     points, columns = matrix(touches, POINT_NAMES), matrix(touches, TANGENT_NAMES)
     half = 0.5 * touches.column("sensor_size").to_numpy()[:, None]
     across, down = half * columns, half * row_axes(matrix(touches, NORMAL_NAMES), columns)
-    signs = ((-1, -1), (1, -1), (1, 1), (-1, 1))
-    return np.stack([points + a * across + b * down for a, b in signs], axis=1)
+    return np.stack([points + a * across + b * down for a, b in layout.corners], axis=1)
 
 
 def touch_table(fixations: pa.Table, felt: Touches, ranks: IntArray) -> pa.Table:

@@ -72,7 +72,8 @@ CODE = {
     "frontier": STEP,
     "effect_influence": ("studies.effects.influence", *_MEASURING),
     "pictures": (
-        "pictures.object_pictures", "pictures.models", "pictures.encoding", "geometry", "tables",
+        "pictures.object_pictures", "pictures.models", "pictures.encoding", "pictures.taxels",
+        "geometry", "tables",
     ),
     "report": (*STEP, "report", "pictures", "stability", "__init__"),
 }  # fmt: skip
