@@ -112,9 +112,13 @@ def test_the_outline_of_given_taxels_is_the_ellipse_or_rectangle_that_holds_them
     np.testing.assert_allclose(rectangle.extents, (1, 3 / 14), rtol=1e-12)
 
 
-def test_triples_of_a_grid_are_the_neighbours_along_rows_and_columns():
-    triples = {tuple(triple) for triple in grid_layout(3, 3).triples.T.tolist()}
-    assert triples == {(1, 0, 2), (4, 3, 5), (7, 6, 8), (3, 0, 6), (4, 1, 7), (5, 2, 8)}
+def test_triples_are_lines_through_a_taxel_and_its_neighbours():
+    grid = grid_layout(3, 3)
+    triples = own(grid.positions).triples
+    found = {tuple(triple) for triple in np.sort(triples, axis=0).T.tolist()}
+    assert {(3, 4, 5), (1, 4, 7), (0, 1, 2), (2, 5, 8)} <= found
+    middles = grid.positions[triples[1:]].mean(axis=0)
+    np.testing.assert_allclose(middles, grid.positions[triples[0]], atol=1e-12)
 
 
 def test_unrolling_moves_taxels_outwards_by_their_height_and_flat_pads_stay():

@@ -224,6 +224,14 @@ def test_effects_that_need_rows_and_columns_are_refused_in_a_sentence(scene, say
         felt_by(sheet(wavy, 0.4, 20), "dome", Scene(**scene))
 
 
+@pytest.mark.parametrize("preset", ["ideal", "fsr400", "worn_fsr"])
+def test_effects_that_no_touch_of_a_pad_needs_change_no_bit(preset):
+    scene = Scene(preset=preset, readout="ideal")
+    surface = sheet(wavy, 0.4, 40)
+    auto, always = (felt_by(surface, "dome", one) for one in (scene, scene.with_effects("always")))
+    np.testing.assert_array_equal(auto.images, always.images)
+
+
 def test_the_reach_of_rays_of_a_curved_pad_ends_within_the_pad():
     """A sheet beyond the pad's axis is not felt through the pad."""
     ground = sheet(lambda x, z: 0 * x, 0.5, 4)
@@ -231,3 +239,14 @@ def test_the_reach_of_rays_of_a_curved_pad_ends_within_the_pad():
     alone, fenced = (felt_by(surface, "dome") for surface in (ground, joined(ground, fence)))
     beyond = layout_of("dome", 2).positions[:, 0] > 0.05
     np.testing.assert_array_equal(alone.images[:, beyond], fenced.images[:, beyond])
+
+
+def test_a_taxel_below_the_origin_is_kept_out_of_a_plate_whatever_the_mode():
+    plate = box((-0.5, -0.3, -0.5), (0.5, 0, 0.5))
+    probe = ((-1.0, 0, 0, 0, 0, -1.0), (1.0, 0, 0, 0, 0, -1.0), (0.0, 0.5, -0.3, 0, 0, -1.0))
+    auto, always, never = (placed(plate, probe, mode) for mode in ("auto", "always", "never"))
+    assert never.highest[0] == pytest.approx(0.3 * 0.15)
+    assert never.gaps[0] == pytest.approx([0.3 * 0.15, 0.3 * 0.15, 0])
+    np.testing.assert_array_equal(auto.sizes, always.sizes)
+    # The tolerance lets the tip in by 0.002: a pad 2 * 0.002 / 0.3 wide, which is less than the smallest.
+    assert auto.sizes[0] == 0.02

@@ -23,6 +23,7 @@ _NEIGHBOURS = 6
 # Neighbours on opposite sides of a taxel enclose at least 150 degrees.
 _OPPOSITE = -0.866
 _LARGEST = 1e100
+_NO_TRIPLES: IntArray = np.zeros((3, 0), dtype=np.int64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +49,7 @@ class Layout:
     is_round : bool
         Whether the outline is an ellipse, or a rectangle.
     triples : ndarray of shape (3, k), int64
-        A taxel, and two neighbours on opposite sides of the taxel.
+        A taxel, and two neighbours on opposite sides of the taxel; none in a grid, in which indices say the neighbours.
     half_width_m : float, optional
         Half the pad's width, metres. None if the lengths have no unit.
     """
@@ -134,11 +135,19 @@ class Layout:
 
     @cached_property
     def coordinates(self) -> tuple[tuple[FloatArray, FloatArray], ...]:
-        """Position and direction along columns, rows and the normal, (t,) each; (1,) where all taxels have one value."""
+        """Position and direction along columns, rows and the normal, each of a shape that broadcasts to `shape`.
+
+        A dimension of `shape` along which all values are equal has length 1: rows of a grid have one position along the
+        columns of the grid, and a flat pad one direction.
+        """
         signs = (1.0, -1.0, 1.0)
-        return tuple(
-            (_shortest(sign * self.positions[:, axis]), _shortest(sign * self.directions[:, axis]))
+        parts = [
+            (sign * self.positions[:, axis], sign * self.directions[:, axis])
             for axis, sign in enumerate(signs)
+        ]
+        return tuple(
+            (_shortest(place.reshape(self.shape)), _shortest(look.reshape(self.shape)))
+            for place, look in parts
         )
 
     @cached_property
@@ -211,9 +220,15 @@ class Layout:
         between = (self.positions[first] + self.positions[second]) / 2 - (sags[0] + sags[1]) / 8
         points = np.concatenate([self.positions, between])
         axial = np.tile([0.0, 0.0, -1.0], (len(points), 1))
-        none = np.zeros((3, 0), dtype=np.int64)
         return Layout(
-            self.name, points, axial, (len(points),), self.counts, self.extents, self.is_round, none
+            self.name,
+            points,
+            axial,
+            (len(points),),
+            self.counts,
+            self.extents,
+            self.is_round,
+            _NO_TRIPLES,
         )
 
     @cached_property
@@ -270,15 +285,9 @@ def grid_layout(rows: int, columns: int) -> Layout:
     down, aside = np.meshgrid(sensing_offsets(rows), sensing_offsets(columns), indexing="ij")
     positions = np.stack([aside, -down, np.zeros_like(down)], axis=-1).reshape(-1, 3)
     directions = np.tile([0.0, 0.0, -1.0], (rows * columns, 1))
-    index = np.arange(rows * columns).reshape(rows, columns)
-    beside = [index[:, 1:-1], index[:, :-2], index[:, 2:]]
-    above = [index[1:-1], index[:-2], index[2:]]
-    triples = np.concatenate(
-        [np.stack([part.ravel() for part in parts]) for parts in (beside, above)], axis=1
-    )
     return Layout(
         "square", positions, directions, (rows, columns), (rows, columns), (1.0, 1.0),
-        is_round=False, triples=triples,
+        is_round=False, triples=_NO_TRIPLES,
     )  # fmt: skip
 
 
@@ -344,8 +353,11 @@ def _unit_directions(directions: FloatArray, count: int, name: str) -> FloatArra
 
 
 def _shortest(values: FloatArray) -> FloatArray:
-    """Return the first value only, if all are equal."""
-    return values[:1] if (values == values[0]).all() else values
+    """Return values with one index of each dimension along which all are equal."""
+    for axis in range(values.ndim):
+        first = values.take([0], axis=axis)
+        values = first if (values == first).all() else values
+    return values
 
 
 def _nearest(positions: FloatArray) -> IntArray:

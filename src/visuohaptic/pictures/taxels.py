@@ -61,16 +61,22 @@ def draw_layout(layout: Layout, values: NDArray[np.floating], pixels: int = 240)
 
 
 def imprint_images(touches: pa.Table, layout: Layout) -> NDArray[np.float32]:
-    """Return the imprints of rows of `tables.TOUCHES` as images (n, p, p) for pictures.
+    """Return the imprints of rows of `tables.TOUCHES` as images (n, p, p) for pictures; see `as_images`."""
+    if len(layout.shape) == 2:
+        return images(touches)
+    return as_images(layout, readings(touches).reshape(-1, len(layout)))
+
+
+def as_images(layout: Layout, imprints: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return imprints (n, *layout.shape) as images (n, p, p) for pictures.
 
     A grid is its own image. Other layouts have `PIXELS` pixels along an edge: each pixel of the unrolled pad has the
     reading of its nearest taxel, or 0 beside the pad.
     """
     if len(layout.shape) == 2:
-        return images(touches)
+        return imprints
     index, empty = nearest_taxels(layout, PIXELS)
-    felt = readings(touches)[:, index] if touches.num_rows else np.zeros((0, PIXELS, PIXELS))
-    return np.where(empty, np.float32(0), felt)
+    return np.where(empty, np.float32(0), imprints[:, index])
 
 
 def _discs(

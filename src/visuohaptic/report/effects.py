@@ -13,6 +13,7 @@ from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import read_surface
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pictures.encoding import imprint_strip, webp_address
+from visuohaptic.pictures.taxels import as_images
 from visuohaptic.report.estimates import Row
 from visuohaptic.report.run import Run
 from visuohaptic.report.wording import counted, listed
@@ -90,21 +91,21 @@ def scene_strips(
 
     `mesh` is the object's mesh file, and `locations` the touched places, rows of `tables.FIXATIONS`.
     """
-    caster = RayCaster(read_surface(mesh))
+    caster, sensor = RayCaster(read_surface(mesh)), parameters.sensor
+    felt = {
+        name: touch_locations(caster, locations, sensor, scene, parameters.seed).images
+        for name, scene in measured_scenes(parameters.scene, sensor.layout).items()
+    }
     return {
-        name: webp_address(
-            imprint_strip(
-                touch_locations(caster, locations, parameters.sensor, scene, parameters.seed).images
-            )
-        )
-        for name, scene in measured_scenes(parameters.scene).items()
+        name: webp_address(imprint_strip(as_images(sensor.taxels, part)))
+        for name, part in felt.items()
     }
 
 
 def hard_places(parameters: ExperimentParameters) -> list[Row]:
     """Touch the example shapes that are hard for the run's sensor.
 
-    Returns one row per shape: ``name``, ``size`` (edge of the square in object radii), contact ``state``, and
+    Returns one row per shape: ``name``, ``size`` (width of the pad in object radii), contact ``state``, and
     ``imprint``, a ``data:`` URI.
     """
     return [
@@ -112,7 +113,9 @@ def hard_places(parameters: ExperimentParameters) -> list[Row]:
             "name": shape.name,
             "size": float(felt.size[0]),
             "state": str(felt.contact_state[0]),
-            "imprint": webp_address(imprint_strip(felt.images[:1])),
+            "imprint": webp_address(
+                imprint_strip(as_images(parameters.sensor.taxels, felt.images[:1]))
+            ),
         }
         for shape, felt in touch_gallery(parameters.sensor, parameters.scene, parameters.seed)
     ]

@@ -222,7 +222,8 @@ def effects_values(context: ReportContext) -> Values:
         ),
         "influence": context.influence,
         "scale_of_scenes": imprint_scale(
-            run.parameters.sensor, *measured_scenes(run.parameters.scene).values()
+            run.parameters.sensor,
+            *measured_scenes(run.parameters.scene, run.parameters.sensor.layout).values(),
         ),
         "answer": effects_answer(context.influence["scenes"]) if context.influence else "",
         "accuracy": accuracy,

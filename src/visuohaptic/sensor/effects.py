@@ -211,6 +211,8 @@ def _run_crosstalk(batch: TouchBatch, signal: Signal) -> Signal:
     scale = scene.full_scale_conductance_s
     if scene.readout != "ideal":
         _check_grid(signal.now, "scene.readout", scene.readout, "ideal")
+    elif signal.now.ndim != 3:
+        return signal
     if scene.readout == "floating":
         return signal.map(
             lambda values: read_floating(scale * values, scene.stand_off_conductance_s) / scale

@@ -318,7 +318,7 @@ def images(table: pa.Table, name: str = "image") -> np.ndarray:
         raise TableError(
             f"column {name}: images have {[rows.shape[1]]} points; the same square number in all rows is needed."
         )
-    return rows.reshape(-1, side, side)
+    return rows.reshape(len(rows), side, side)
 
 
 def readings(table: pa.Table, name: str = "image") -> np.ndarray:

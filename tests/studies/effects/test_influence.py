@@ -37,7 +37,7 @@ def fixations(surface):
 
 def test_every_preset_is_measured_and_the_run_stands_for_its_own():
     scene = Scene(preset="fsr400", noise=0.2)
-    scenes = measured_scenes(scene)
+    scenes = measured_scenes(scene, "square")
     assert set(scenes) == set(PRESETS)
     assert scenes["fsr400"] is scene
     assert scenes["ideal"] == Scene()
@@ -45,7 +45,7 @@ def test_every_preset_is_measured_and_the_run_stands_for_its_own():
 
 def test_an_effect_moves_images_where_it_is_needed_and_only_there(surface, fixations):
     off = Scene.model_validate({"preset": "fsr400", "effects": {"noise": "never"}})
-    scenes = {**measured_scenes(Scene()), "without noise": off}
+    scenes = {**measured_scenes(Scene(), "square"), "without noise": off}
     found = touch_influence(RayCaster(surface), fixations, RUN.sensor, scenes, RUN.seed)
     shifts, needed = (
         {(part["scene"], part["effect"]): part[name] for part in found}

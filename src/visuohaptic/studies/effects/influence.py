@@ -11,6 +11,7 @@ import pyarrow as pa
 from visuohaptic.fixations.parameters import RenderingParameters
 from visuohaptic.fixations.rendering import Views, cast_pixel_rays, colour_views
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
+from visuohaptic.geometry.pads import Taxels
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import object_of, read_surface
 from visuohaptic.scene.parameters import (
@@ -42,9 +43,14 @@ Row = dict[str, Any]
 """A row of `tables.EFFECT_INFLUENCE`. For effects of the view, ``touches`` is the number of views."""
 
 
-def measured_scenes(scene: Scene) -> dict[str, Scene]:
-    """Return the scenes to measure by preset; the run's scene replaces its own preset."""
-    presets = {name: Scene.model_validate({"preset": name}) for name in PRESETS}
+def measured_scenes(scene: Scene, layout: str | Taxels) -> dict[str, Scene]:
+    """Return the scenes to measure by preset; the run's scene replaces its own preset.
+
+    With another `sensor.layout` than the square, presets read each cell separately, because only a square has rows and
+    columns.
+    """
+    readout = {} if layout == "square" else {"readout": "ideal"}
+    presets = {name: Scene.model_validate({"preset": name, **readout}) for name in PRESETS}
     return {**presets, scene.preset: scene}
 
 
@@ -155,7 +161,7 @@ def sum_influences(parts: Sequence[Row]) -> pa.Table:
 def make_effect_influence(step: StepInputs) -> None:
     """Write `tables.EFFECT_INFLUENCE` of a sample of objects in every preset."""
     run, parts = step.run, list[Row]()
-    scenes, placed = measured_scenes(run.scene), place_cameras(run.viewpoints)
+    scenes, placed = measured_scenes(run.scene, run.sensor.layout), place_cameras(run.viewpoints)
     wanted = Wanted(run.attention.fixations, run.probing.unreachable, run.probing.when_exhausted)
     located = dict(by_object(read_table(FIXATIONS, step.inputs["fixations"])))
     for mesh in step.inputs["meshes"]:
