@@ -98,7 +98,7 @@ def test_an_unfinished_run_is_refused_in_one_sentence(visuohaptic, run, tmp_path
     small = [image[:256] for image in touches["image"].to_pylist()]
     halved = with_column(touches, "image", pa.array(small, touches["image"].type))
     write_table(TOUCHES, halved, run / "results/touches/other.parquet")
-    assert "other.parquet has imprints of 16 rows" in visuohaptic("export", "out", folder=run).err
+    assert "other.parquet has imprints of 16 x 16" in visuohaptic("export", "out", folder=run).err
     write_table(TOUCHES, touches[:5], run / "results/touches/other.parquet")
     ended = visuohaptic("export", "out", folder=run)
     assert "165 touches and 160 rows of features; run `snakemake -j2`" in ended.err
@@ -114,3 +114,15 @@ def test_touches_and_features_of_other_touches_are_refused(visuohaptic, run):
     ended = visuohaptic("export", "out", folder=run)
     assert "results/touches and results/features hold other touches" in ended.err
     assert list((run / "out").iterdir()) == []
+
+
+def test_taxels_of_a_pad_are_written_in_one_row(visuohaptic, run):
+    file = run / "results/touches/all.parquet"
+    touches = pq.read_table(file)
+    values = np.random.default_rng(0).random((touches.num_rows, 127), dtype=np.float32)
+    lists = pa.array(values.tolist(), TOUCHES.arrow.field("image").type)
+    index = touches.schema.get_field_index("image")
+    write_table(TOUCHES, touches.set_column(index, TOUCHES.arrow.field("image"), lists), file)
+    assert visuohaptic("export", "out", folder=run).code == 0
+    written = pq.read_table(run / "out/touches.parquet").column("imprint").to_pylist()
+    np.testing.assert_array_equal(np.array(written, dtype=np.float32), values[:, None])

@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 import pandas as pd
+import pyarrow as pa
 import pytest
 from evaluation.own_estimators import (
     Changing,
@@ -568,3 +569,14 @@ def test_imprints_of_several_sizes_are_refused(touches):
 def test_inputs_of_another_name_are_refused(features):
     with pytest.raises(ParameterError, match="inputs is 'pixels'; features, descriptors, touches"):
         vh.evaluate(SVC(), features, FEW, inputs="pixels")
+
+
+def test_touches_of_a_pad_without_rows_and_columns_give_one_reading_per_taxel(touches):
+    values = np.stack(touches.column("image").to_pylist()).astype(np.float32)[:, :13]
+    index = touches.schema.get_field_index("image")
+    lists = pa.array(values.tolist(), touches.schema.field("image").type)
+    pads = touches.set_column(index, touches.schema.field("image"), lists)
+    arrays, _, _ = touch_arrays(pads)
+    assert arrays["imprint"].shape[2:] == (13,)
+    assert flatten_touches(arrays).shape == (len(arrays), arrays.shape[1] * (13 + 7))
+    assert vh.evaluate(FLAT, pads, FEW, inputs="touches").predictions.num_rows > 0

@@ -72,3 +72,10 @@ def test_statistics_of_a_grid_given_as_taxels_are_nearly_those_of_the_square():
     # The last two are steps: taxels have diagonal neighbours beside those along the axes.
     np.testing.assert_allclose(taxels[:, :11], square[:, :11], rtol=1e-9, atol=1e-12)
     np.testing.assert_allclose(taxels[:, 11:], square[:, 11:], rtol=0.15)
+
+
+def test_steps_along_columns_are_those_between_taxels_beside_each_other():
+    layout = layout_of("finger", 2)
+    across = (layout.chart[:, 0] - layout.chart[:, 0].min()) / np.ptp(layout.chart[:, 0])
+    steps = describe_imprint_shape(across[None], layout)[0, 11:]
+    assert steps[0] > 4 * steps[1]

@@ -141,3 +141,9 @@ def test_each_pixel_of_a_drawing_shows_the_nearest_taxel_or_none():
 def test_a_name_that_is_none_is_refused_with_those_allowed():
     with pytest.raises(ParameterError, match="'fist' is no layout; square, round, dome, finger"):
         layout_of("fist", 32)
+
+
+def test_the_outline_crosses_a_taxel_at_its_distance_by_the_norm_of_the_outline():
+    round_pad, square = layout_of("round", 2), layout_of("square", 8)
+    np.testing.assert_allclose(round_pad.norms, np.hypot(*round_pad.positions[:, :2].T), atol=1e-12)
+    np.testing.assert_allclose(square.norms, np.abs(square.positions[:, :2]).max(axis=1))

@@ -43,7 +43,7 @@ class Felt:
     acquired : bool
         Whether the sensor could reach the location. Without reach there is an imprint only if parameter
         ``unreachable`` is ``keep``.
-    imprint : ndarray of shape (r, r), float32, or None
+    imprint : ndarray of shape (r, r) or (taxels,), float32, or None
         1 is the imprint's nearest point and 0 its farthest; with `sensor.normalisation` ``absolute``, 1 is contact
         and 0 is out of the depth range. None without a touch.
     sensor_size : float or None

@@ -107,31 +107,32 @@ def _read_keys(files: Sequence[Path]) -> pa.Table:
 
 
 def _write_touches(files: Sequence[Path], path: Path) -> int:
-    """Write touches with imprints (rows, columns) as nested lists; return their number."""
+    """Write touches with imprints (rows, columns) as nested lists, taxels in one row; return the number of touches."""
     import numpy as np
     import pyarrow as pa
     import pyarrow.parquet as pq
 
     from visuohaptic.tables.phases import TOUCHES
-    from visuohaptic.tables.schema import check_table, images
+    from visuohaptic.tables.schema import check_table, images_or_readings
 
     index = TOUCHES.arrow.get_field_index("image")
     imprint = pa.field("imprint", pa.list_(pa.list_(pa.float32())), nullable=False)
     schema = TOUCHES.arrow.set(index, imprint.with_metadata(TOUCHES.arrow.field(index).metadata))
-    rows_written, edge = 0, 0
+    rows_written, size = 0, (0, 0)
     with pq.ParquetWriter(path, schema, compression="zstd") as writer:
         for file in files:
             for batch in pq.ParquetFile(file).iter_batches(ROWS):
                 table = pa.Table.from_batches([batch])
                 check_table(TOUCHES, table)
-                imprints = images(table)
-                edge = edge or imprints.shape[1]
-                if imprints.shape[1] != edge:
-                    sizes = f"{imprints.shape[1]} rows; other files have {edge}"
+                imprints = images_or_readings(table)
+                found = imprints.shape[1:] if imprints.ndim == 3 else (1, imprints.shape[1])
+                size = size if any(size) else found
+                if found != size:
+                    sizes = f"{found[0]} x {found[1]}; other files have {size[0]} x {size[1]}"
                     raise ExportError(f"{file} has imprints of {sizes}; run `snakemake -j2` first.")
-                ends = np.arange(len(imprints) * edge + 1, dtype=np.int32)
-                lines = pa.ListArray.from_arrays(ends * edge, imprints.ravel())
-                nested = pa.ListArray.from_arrays(ends[: len(imprints) + 1] * edge, lines)
+                ends = np.arange(len(imprints) * size[0] + 1, dtype=np.int32)
+                lines = pa.ListArray.from_arrays(ends * size[1], imprints.ravel())
+                nested = pa.ListArray.from_arrays(ends[: len(imprints) + 1] * size[0], lines)
                 writer.write_table(table.set_column(index, imprint, nested).cast(schema))
                 rows_written += len(imprints)
     return rows_written

@@ -17,7 +17,7 @@ from visuohaptic.recognition.sequences import (
     whole_sequences,
 )
 from visuohaptic.tables.phases import KINESTHETIC_FEATURES
-from visuohaptic.tables.schema import images
+from visuohaptic.tables.schema import images_or_readings
 
 _ROW = "row"
 
@@ -41,6 +41,7 @@ def touch_arrays(
     sequences : structured ndarray of shape (n, t)
         One row per sequence. Field ``imprint`` has shape (n, t, r, r), float32, from 0, its farthest point,
         to 1, its nearest; with `sensor.normalisation` ``absolute``, from 0, out of the depth range, to 1, contact.
+        Imprints of a layout without rows and columns have shape (n, t, taxels).
         Field ``pose`` has shape (n, t, 6), float32: position in object radii and outward unit normal,
         object frame. Field ``sensor_size`` has shape (n, t), float32, object radii.
     classes : ndarray of shape (n,)
@@ -121,6 +122,6 @@ def _imprints(touches: pa.Table) -> NDArray[np.float32]:
             "The table has no imprints (column image); a table of touches is needed, such as results/touches."
         )
     try:
-        return images(touches)
+        return images_or_readings(touches)
     except TableError as error:
         raise RecognitionError(f"The touches can't be used: {error}") from error

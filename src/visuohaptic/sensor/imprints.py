@@ -163,7 +163,7 @@ def _falls_between(distances: FloatArray, drop: FloatArray, layout: Layout) -> B
     if len(layout.shape) == 2:
         # Neighbours in a grid are slices, which cost a fiftieth of gathering triples.
         grid = (len(distances), *layout.shape)
-        falling, deep, around = (values.reshape(grid) for values in (falls, bounds, distances))
+        falling, deep, around = falls.reshape(grid), bounds.reshape(grid), distances.reshape(grid)
         inner = slice(1, -1)
         falling[:, :, inner] = deep[:, :, inner] > np.maximum(around[:, :, :-2], around[:, :, 2:])
         falling[:, inner] |= deep[:, inner] > np.maximum(around[:, :-2], around[:, 2:])

@@ -321,6 +321,16 @@ def images(table: pa.Table, name: str = "image") -> np.ndarray:
     return rows.reshape(len(rows), side, side)
 
 
+def images_or_readings(table: pa.Table, name: str = "image") -> np.ndarray:
+    """Return `images` of lists with a square number of elements, (m, n, n), and `readings` of other lists, (m, t).
+
+    A table does not say the layout of its taxels, so a pad of 144 taxels has images of 12 x 12 here.
+    """
+    rows = readings(table, name)
+    is_square = round(float(rows.shape[1]) ** 0.5) ** 2 == rows.shape[1]
+    return images(table, name) if is_square else rows
+
+
 def readings(table: pa.Table, name: str = "image") -> np.ndarray:
     """Return a column of m lists of t numbers as an array of shape (m, t), in the type of the column's elements.
 
