@@ -21,7 +21,7 @@ _OUTER_RING_DEGREES = 75.0
 """Polar angle of the outermost ring of the dome. Our choice: the pins reach almost to the dome's rim."""
 
 _FINGER_RADIUS_M = 0.007
-"""Radius of the BioTac's skin around its axis (C.-H. Lin et al., ROBIO 2013)."""
+"""Radius of the BioTac's skin around its axis (C.-H. Lin et al., SynTouch 2013)."""
 
 _FINGER_HALF_LENGTH_M = 0.01
 _FINGER_ARC_DEGREES = 60.0
