@@ -52,7 +52,7 @@ def test_there_is_no_condition_where_nothing_is_drawn_again(strategies, draws, p
 
 @pytest.mark.parametrize("strategies", [("fixation", "random"), ("random_walk", "fixation")])
 def test_a_run_without_random_places_in_sight_gets_one_draw_of_them_in_its_pipelines(strategies):
-    pipelines = ("paper", "order_free")
+    pipelines = ("paper", "order_free", "learned")
     found = changes_of(strategies, 5, name="in sight", pipelines=pipelines)
     assert found["probing.strategies"] == ("random_visible",)
     assert found["recognition.pipelines"] == pipelines

@@ -7,7 +7,6 @@ touches and one job classifies them.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from operator import attrgetter
 
 from visuohaptic.active.registry import has_further_draws, strategy_of
 from visuohaptic.base.draw_names import name_of_draw
@@ -30,6 +29,10 @@ def drawn_strategies(run: ExperimentParameters) -> tuple[str, ...]:
         if has_further_draws(strategy)
         for draw in range(1, run.probing.random_draws)
     )
+
+
+_SECTIONS = {"paper": "recognition", "order_free": "recognition.order_free"}
+"""Section of the classifiers of the pipelines that have a choice of classifiers."""
 
 
 def draw_conditions(run: ExperimentParameters) -> Iterator[Condition]:
@@ -56,13 +59,13 @@ def _measured(
         "probing.strategies": strategies,
         "recognition.pipelines": pipelines,
     }
-    for pipeline in pipelines:
-        section = "recognition" if pipeline == DRAWN_PIPELINE else f"recognition.{pipeline}"
-        chosen, headline = (
-            attrgetter(f"{section}.classifiers")(run),
-            HEADLINE_CLASSIFIERS[pipeline],
-        )
-        changes[f"{section}.classifiers"] = (headline,) if headline in chosen else chosen
+    for pipeline, section in _SECTIONS.items():
+        if pipeline in pipelines:
+            chosen, headline = (
+                run.recognition.classifiers_of(pipeline),
+                HEADLINE_CLASSIFIERS[pipeline],
+            )
+            changes[f"{section}.classifiers"] = (headline,) if headline in chosen else chosen
     return changes
 
 
