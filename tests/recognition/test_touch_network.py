@@ -129,10 +129,9 @@ def test_a_long_sequence_trains_with_a_sample_of_its_pairs_and_is_tested_with_al
 @pytest.mark.parametrize("touches", [1, 5])
 def test_the_experiment_has_scores_and_probabilities_of_the_network(frame, touches):
     parameters = parameters_of(frame=frame, touches=touches)
-    scores, predictions = run_pipeline(features_table(separation=2.0), parameters, 1, "learned")
+    scores, predictions = run_pipeline(features_table(separation=5.0), parameters, 1, "learned")
     assert set(scores.column("classifier").to_pylist()) == {TOUCH_NETWORK}
-    guessing = 0.25
-    assert scores.column("accuracy").to_numpy().mean() > guessing + 0.1
+    assert scores.column("accuracy").to_numpy().mean() > 0.5
     assert predictions.column("probability").null_count == 0
 
 

@@ -100,7 +100,7 @@ def test_a_preset_replaces_the_whole_scene_and_other_changes_come_on_top():
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
-        ({"sensor.larges_size": 0.2}, "mine: sensor.larges_size is no parameter; sensor has resolution, "),
+        ({"sensor.larges_size": 0.2}, "mine: sensor.larges_size is no parameter; sensor has layout, "),
         ({"seed.x": 1}, "mine: seed.x is no parameter; seed has no parts."),
         ({"sensor.largest_size": -1}, "mine: sensor.largest_size is -1"),
         ({"scene.preset": "moon"}, "mine: scene.preset is 'moon'"),
