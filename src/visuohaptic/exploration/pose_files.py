@@ -10,12 +10,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from meshreaders.base.regular_files import open_regular, read_bounded
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.base.errors import ParameterError, TableError
 from visuohaptic.exploration.checking import FARTHEST, lengths_of, numbers
-from visuohaptic.io.text_tables import TextTable, read_text_table
+from visuohaptic.io.text_tables import TextTable, read_table_file
 from visuohaptic.sensor.imprints import Poses, make_poses
 
 POSITION = ("x", "y", "z")
@@ -110,19 +109,7 @@ def matrices(stands: Poses) -> FloatArray:
 
 
 def _read_table(path: str | Path) -> TextTable:
-    try:
-        with open_regular(path) as stream:
-            data = read_bounded(stream, LARGEST_BYTES)
-    except OSError as error:
-        raise ParameterError(f"{path} can't be read: {error.strerror}.") from error
-    if len(data) > LARGEST_BYTES:
-        raise ParameterError(
-            f"{path} is larger than {LARGEST_BYTES / 1e6:g} MB, the limit of a file of poses."
-        )
-    try:
-        table = read_text_table(data, str(path), MOST_POSES)
-    except TableError as error:
-        raise ParameterError(str(error)) from error
+    table = read_table_file(path, MOST_POSES, LARGEST_BYTES, "poses")
     if not table.names:
         raise ParameterError(
             f"{table.position(0)} holds numbers; a header is needed in the first line: {', '.join(POSITION)} and "

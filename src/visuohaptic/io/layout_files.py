@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from meshreaders.base.regular_files import open_regular, read_bounded
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import ParameterError, TableError
 from visuohaptic.geometry.layouts import MOST_TAXELS, Layout
-from visuohaptic.io.text_tables import read_text_table
+from visuohaptic.io.text_tables import read_table_file
 
 COLUMNS = ("x", "y", "z", "direction_x", "direction_y", "direction_z")
 """Columns of a file of taxels; other columns are ignored."""
@@ -50,23 +49,14 @@ def read_layout(path: str | Path, unit: str | None = None) -> Layout:
 
 def read_taxels(path: str | Path) -> FloatArray:
     """Read position and direction of each taxel, shape (t, 6), from a text table; errors as for `read_layout`."""
-    try:
-        with open_regular(path) as stream:
-            data = read_bounded(stream, LARGEST_BYTES)
-    except OSError as error:
-        raise ParameterError(f"{path} can't be read: {error.strerror}.") from error
-    if len(data) > LARGEST_BYTES:
+    table = read_table_file(path, MOST_TAXELS, LARGEST_BYTES, "taxels")
+    missing = [name for name in COLUMNS if table.names.count(name) != 1]
+    if missing:
         raise ParameterError(
-            f"{path} is larger than {LARGEST_BYTES / 1e6:g} MB, the limit of a file of taxels."
+            f"{path} has {table.names.count(missing[0])} columns {missing[0]}; {', '.join(COLUMNS)} are needed, each "
+            "once, in a header."
         )
     try:
-        table = read_text_table(data, str(path), MOST_TAXELS)
-        missing = [name for name in COLUMNS if table.names.count(name) != 1]
-        if missing:
-            raise ParameterError(
-                f"{path} has {table.names.count(missing[0])} columns {missing[0]}; {', '.join(COLUMNS)} are needed, each "
-                "once, in a header."
-            )
         return table.numbers([table.names.index(name) for name in COLUMNS])
     except TableError as error:
         raise ParameterError(str(error)) from error

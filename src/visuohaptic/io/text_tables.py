@@ -13,14 +13,16 @@ import io
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 from pyarrow.csv import ConvertOptions, InvalidRow, ParseOptions, ReadOptions, read_csv
 
+from meshreaders.base.regular_files import open_regular, read_bounded
 from visuohaptic.base.arrays import FloatArray, IntArray
-from visuohaptic.base.errors import TableError
+from visuohaptic.base.errors import ParameterError, TableError
 
 MOST_COLUMNS = 1000
 """Largest number of columns of a table."""
@@ -112,6 +114,28 @@ class TextTable:
         text = self.columns[index][row].as_py()
         shown = repr(text if len(text) <= 40 else f"{text[:40]}…") if text else "empty"
         return TableError(f"{self.position(row, index)} is {shown}: {reason}.")
+
+
+def read_table_file(
+    path: str | Path, most_rows: int, largest_bytes: int, content: str
+) -> TextTable:
+    """Read a table from a text file as `read_text_table`; `content` says what the file holds, such as ``poses``.
+
+    Raises `ParameterError` if the file can't be read, has more than `largest_bytes`, or is no such table.
+    """
+    try:
+        with open_regular(path) as stream:
+            data = read_bounded(stream, largest_bytes)
+    except OSError as error:
+        raise ParameterError(f"{path} can't be read: {error.strerror}.") from error
+    if len(data) > largest_bytes:
+        raise ParameterError(
+            f"{path} is larger than {largest_bytes / 1e6:g} MB, the limit of a file of {content}."
+        )
+    try:
+        return read_text_table(data, str(path), most_rows)
+    except TableError as error:
+        raise ParameterError(str(error)) from error
 
 
 def read_text_table(
