@@ -1,10 +1,12 @@
 """The network of touches or of pairs of touches, and pipeline `learned`."""
 
 import numpy as np
+import pyarrow.compute as pc
 import pytest
 from recognition.synthetic import features_table
 from scipy.spatial.transform import Rotation
 from sklearn.base import clone
+from sklearn.svm import SVC
 
 from visuohaptic.base.errors import RecognitionError
 from visuohaptic.recognition.descriptors import draw_waves
@@ -18,6 +20,7 @@ from visuohaptic.recognition.parameters import (
 )
 from visuohaptic.recognition.pipelines import LearnedPipeline
 from visuohaptic.recognition.sequences import gather_pipeline
+from visuohaptic.recognition.stored_models import load_model, save_model
 from visuohaptic.recognition.touch_network import (
     ELEMENTS,
     MOST_ELEMENTS,
@@ -119,7 +122,7 @@ def test_a_long_sequence_trains_with_a_sample_of_its_pairs_and_is_tested_with_al
     rows = rows_of(sequences, parameters)
     assert rows["elements"].shape[1] == 8 * 7
     fitted = classifier_of(parameters).fit(rows, sequences.labels)
-    assert fitted.scaling_.n_samples_seen_ == len(rows) * MOST_ELEMENTS
+    assert fitted.network_.t_ == len(rows) * MOST_ELEMENTS * FEW.passes
     changed = rows.copy()
     changed["elements"][:, -1] += 5
     assert not np.allclose(fitted.predict_proba(changed), fitted.predict_proba(rows))
@@ -140,6 +143,60 @@ def test_a_single_touch_is_its_own_element_where_pairs_are_learnt():
     assert rows_of(sequences_of(parameters), parameters)["elements"].shape[1] == 1
 
 
-def test_no_model_is_trained_in_this_pipeline():
-    with pytest.raises(RecognitionError, match="No model can be trained in pipeline learned; pip"):
-        fit_model(features_table(), "learned", TOUCH_NETWORK, RecognitionParameters(), 0)
+def one_object(table, **chosen):
+    """Return the rows of one object of a table, and of chosen values of further columns."""
+    wanted = {"class": "class1", "object": "object0", **chosen}
+    for name, value in wanted.items():
+        table = table.filter(pc.equal(table.column(name), value))
+    return table
+
+
+@pytest.fixture(params=ELEMENTS)
+def model(request):
+    parameters = RecognitionParameters(frame=request.param, learned=FEW)
+    table = features_table(objects=(4, 4, 4), separation=3.0)
+    return fit_model(table, "learned", TOUCH_NETWORK, parameters, 1)
+
+
+def test_a_model_is_saved_and_answers_the_same_bit_for_bit(model, tmp_path):
+    save_model(model, tmp_path / "model.skops")
+    touched = one_object(features_table(objects=(4, 4, 4), separation=3.0))
+    answer = model.answer(touched)
+    assert load_model(tmp_path / "model.skops").answer(touched) == answer
+    assert next(iter(answer.probabilities)) == "class1"
+    assert "class1" in answer.candidates
+    assert answer.compared == 12
+
+
+def test_a_viewpoint_of_a_single_touch_counts_only_where_touches_are_learnt(model):
+    single = one_object(features_table(objects=(4, 4, 4), separation=3.0), viewpoint=0, touch=0)
+    if ELEMENTS[model.parameters.frame] is touch_elements:
+        assert sum(model.recognise(single).values()) == pytest.approx(1)
+    else:
+        with pytest.raises(RecognitionError, match="No viewpoint has 2 touches"):
+            model.recognise(single)
+
+
+def test_a_shorter_sequence_counts_beside_whole_ones(model):
+    touched = one_object(features_table(objects=(4, 4, 4), separation=3.0))
+    is_cut = pc.and_(
+        pc.equal(touched.column("viewpoint"), 0), pc.greater(touched.column("touch"), 1)
+    )
+    assert sum(model.recognise(touched.filter(pc.invert(is_cut))).values()) == pytest.approx(1)
+
+
+def test_a_classifier_of_another_pipeline_is_refused():
+    with pytest.raises(
+        RecognitionError, match="learned has no classifier naive_bayes; touch_network"
+    ):
+        fit_model(features_table(), "learned", "naive_bayes", RecognitionParameters(), 0)
+
+
+def test_a_file_with_a_machine_inside_the_network_is_refused_before_the_machine_reads(tmp_path):
+    table = features_table(objects=(2, 2), separation=3.0)
+    model = fit_model(table, "learned", TOUCH_NETWORK, RecognitionParameters(learned=FEW), 1)
+    inner = model.estimator[-1].calibrated_classifiers_[0].estimator
+    inner.discriminant_ = SVC(probability=True)
+    save_model(model, tmp_path / "model.skops")
+    with pytest.raises(RecognitionError, match="network of touches are of other types"):
+        load_model(tmp_path / "model.skops")

@@ -23,6 +23,7 @@ from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.recognition.parameters import least_objects
 from visuohaptic.recognition.pipelines import log_probabilities, pooled_log_probabilities
 from visuohaptic.recognition.splits import RandomState, held_out_folds
+from visuohaptic.recognition.touch_network import descriptors_of
 from visuohaptic.recognition.voting import evenly_spaced_subsets
 
 VIEW_COUNTS = (1, 2, 4, 8, 16)
@@ -212,8 +213,8 @@ def fit_certainty(
         ``fit(rows, labels, owners)`` returns a fitted scikit-learn pipeline with a classifier as the last step.
     final : Pipeline
         Pipeline that was fitted on all training sequences.
-    rows : ndarray of shape (s, d)
-        Descriptors of the training sequences, not prepared.
+    rows : ndarray of shape (s, d), or (s,) with fields
+        Rows of a pipeline for the training sequences, not prepared.
     labels, owners : ndarray of shape (s,)
         Class (index from 0) and object (integer) of each training sequence.
     random_state : int, Generator or None
@@ -241,10 +242,11 @@ def fit_certainty(
     for train, held_out in folds:
         model = fit(rows[train], labels[train], owners[train])
         prepared = model[:-1].transform(rows[held_out])
+        descriptors = descriptors_of(prepared)
         logs = log_probabilities(model[-1], prepared, int(labels.max()) + 1)
         reference_rows = train[same_strategy[train]]
         reference = fit_reference(
-            model[:-1].transform(rows[reference_rows]), owners[reference_rows]
+            descriptors_of(model[:-1].transform(rows[reference_rows])), owners[reference_rows]
         )
         for owner in np.unique(owners[held_out]):
             index = int(np.searchsorted(objects, owner))
@@ -252,8 +254,10 @@ def fit_certainty(
             for row, chosen in enumerate(_view_masks(len(views_of_object), index)):
                 pooled = pooled_log_probabilities(logs[views_of_object], chosen[None])[0]
                 nonconformity[row, index] = 1 - np.exp(pooled[class_of_object[index]])
-                novelty[row, index] = reference.novelty(prepared[views_of_object][chosen])
-    reference = fit_reference(final[:-1].transform(rows[same_strategy]), owners[same_strategy])
+                novelty[row, index] = reference.novelty(descriptors[views_of_object][chosen])
+    reference = fit_reference(
+        descriptors_of(final[:-1].transform(rows[same_strategy])), owners[same_strategy]
+    )
     has_scores = np.isin(objects, owners[np.concatenate([held_out for _, held_out in folds])])
     return Certainty(
         np.unique(labels),

@@ -6,6 +6,7 @@ import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import version
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -40,6 +41,7 @@ from visuohaptic.recognition.sequences import (
     spread_contact_states,
 )
 from visuohaptic.recognition.splits import check_two_classes
+from visuohaptic.recognition.touch_network import descriptors_of, learned_rows, learns_pairs
 from visuohaptic.tables.phases import CONTOURLET_FEATURES, FEATURES
 from visuohaptic.tables.schema import known_columns
 
@@ -99,7 +101,7 @@ class RecognitionModel:
     versions : mapping of str to str
         Versions of the packages that fitted the model.
     estimator : sklearn.pipeline.Pipeline
-        Fitted on descriptors (``order_free``) or on sequences (``paper``).
+        Fitted on descriptors (``order_free``), sequences (``paper``), or rows of `learned_rows` (``learned``).
     waves : WaveBasis, optional
         Random waves of the descriptors; None in pipeline ``paper``.
     certainties : mapping of str to Certainty
@@ -136,7 +138,7 @@ class RecognitionModel:
         features : pyarrow.Table
             Rows of `tables.FEATURES` of one object and strategy. All touches are used. A viewpoint with more than
             `touches` touches gives several sequences; the last may overlap the sequence before. A viewpoint with fewer
-            gives a shorter sequence in pipeline ``order_free``, and is left out in pipeline ``paper``.
+            gives a shorter sequence, and is left out in pipeline ``paper``.
 
         Returns
         -------
@@ -169,7 +171,9 @@ class RecognitionModel:
             return ModelAnswer(probabilities)
         # The scores of the training objects are from only the first touches of each view.
         first = first_touches(features, self.touches)
-        rows = self.estimator[:-1].transform(self._rows(first))
+        rows = np.concatenate(
+            [descriptors_of(self.estimator[:-1].transform(part)) for part in self._rows(first)]
+        )
         coverage = self.parameters.order_free.coverage
         certainty = self.certainties[strategy]
         assessment = certainty.assess(rows, logs, coverage)
@@ -208,20 +212,22 @@ class RecognitionModel:
         if not knows_classes or logs.shape != (len(self.classes),) or not np.isfinite(logs).all():
             raise ValueError(f"no probabilities of {len(self.classes)} classes")
 
-    def _pooled_logs(self, rows: FloatArray) -> FloatArray:
+    def _pooled_logs(self, rows: Sequence[Any]) -> FloatArray:
         """Compute the log probability of each class, (c,): mean over sequences, or share of votes in ``paper``."""
-        prepared = self.estimator[:-1].transform(rows)
+        prepared = [self.estimator[:-1].transform(part) for part in rows]
         if self.pipeline == "paper":
-            votes = self.estimator[-1].predict(prepared)
+            votes = np.concatenate([self.estimator[-1].predict(part) for part in prepared])
             shares = np.bincount(votes, minlength=len(self.classes)) / len(votes)
             with np.errstate(divide="ignore"):
                 return np.log(shares)
-        logs = log_probabilities(self.estimator[-1], prepared, len(self.classes))
-        all_sequences = np.ones((1, len(rows)), dtype=bool)
+        logs = np.concatenate(
+            [log_probabilities(self.estimator[-1], part, len(self.classes)) for part in prepared]
+        )
+        all_sequences = np.ones((1, len(logs)), dtype=bool)
         return pooled_log_probabilities(logs, all_sequences)[0]
 
-    def _rows(self, features: pa.Table) -> FloatArray:
-        """Return the input of the estimator from the touches of one object, one row per sequence."""
+    def _rows(self, features: pa.Table) -> list[Any]:
+        """Return the input of the estimator from the touches of one object, one row per sequence, in one array or several."""
         if not features.num_rows:
             raise RecognitionError("There is no touch; an object is classified from one touch on.")
         groups = gather_any(spread_contact_states(features), self.feature_names, self.touches)
@@ -229,14 +235,17 @@ class RecognitionModel:
             check_directions(len(filled_bands(features)))
         if self.pipeline == "paper":  # wavelet levels need whole sequences
             groups = [group for group in groups if group.shape[1] == self.touches]
+        if self.pipeline == "learned" and learns_pairs(self.parameters.frame, self.touches):
+            groups = [group for group in groups if group.shape[1] > 1]
         if self.parameters.order == "shuffled":
             order = spawn_generator(0, "order")
             groups = [
                 np.stack([order.permutation(sequence) for sequence in group]) for group in groups
             ]
         if not groups:
+            needed = self.touches if self.pipeline == "paper" else 2
             raise RecognitionError(
-                f"No viewpoint has {self.touches} touches, which the model needs: the object is too "
+                f"No viewpoint has {needed} touches, which the model needs: the object is too "
                 "slender in all views; touch it from other viewpoints."
             )
         return self._describe(groups)
@@ -245,19 +254,22 @@ class RecognitionModel:
     def _needs_all_bands(self) -> bool:
         """Whether all directional bands are needed: roll-free descriptors are Fourier amplitudes over directions."""
         parameters = self.parameters
-        is_rolling = self.pipeline == "order_free" and parameters.frame in ROLLING_FRAMES
+        is_rolling = self.pipeline != "paper" and parameters.frame in ROLLING_FRAMES
         has_bands = CONTOURLET_FEATURES[0] in self.feature_names
         return is_rolling and has_bands and "contourlet" in parameters.order_free.cues
 
-    def _describe(self, groups: Sequence[FloatArray]) -> FloatArray:
-        """Return one row per sequence from groups (s, t, k) of s sequences; each group has another length t."""
+    def _describe(self, groups: Sequence[FloatArray]) -> list[Any]:
+        """Return one row per sequence from groups (s, t, k) of s sequences; each group has another length t.
+
+        Rows of pipeline ``learned`` stay apart by group, because a longer sequence has more elements.
+        """
         if self.waves is None:
-            return np.concatenate(groups)
+            return [np.concatenate(groups)]
+        compute = learned_rows if self.pipeline == "learned" else describe_sequences
         described = [
-            describe_sequences(group, self.feature_names, self.waves, self.parameters)
-            for group in groups
+            compute(group, self.feature_names, self.waves, self.parameters) for group in groups
         ]
-        return np.concatenate(described)
+        return described if self.pipeline == "learned" else [np.concatenate(described)]
 
 
 def fit_model(
@@ -275,10 +287,10 @@ def fit_model(
         Rows of `tables.FEATURES` of one strategy or several. Viewpoints with fewer than `parameters.touches` touches
         are left out, with a warning in the log. If `parameters.touches` is None, the number is that of the longest
         sequence of the strategy.
-    pipeline : {"paper", "order_free"}
+    pipeline : {"paper", "order_free", "learned"}
         Pipeline to fit.
     classifier : str
-        Name of `CLASSIFIERS`.
+        Name of `CLASSIFIERS`; ``touch_network`` in pipeline ``learned``.
     parameters : RecognitionParameters
         Settings of the fit.
     seed : int
@@ -292,10 +304,6 @@ def fit_model(
     RegistryError
         If there is no such classifier.
     """
-    if pipeline == "learned":
-        raise RecognitionError(
-            "No model can be trained in pipeline learned; pipelines paper and order_free are allowed."
-        )
     strategies = tuple(features.column("strategy").unique().to_pylist())
     rows_of = [features.filter(pc.equal(features.column("strategy"), name)) for name in strategies]
     of_strategies = [gather_pipeline(part, parameters, pipeline, seed) for part in rows_of]
@@ -303,6 +311,10 @@ def fit_model(
     strategy_of_row = np.repeat(strategies, [len(part.features) for part in of_strategies])
     check_two_classes(sequences)
     parts = pipeline_of(pipeline, _with_only_classifier(parameters, classifier), seed)
+    if classifier not in parts.classifiers:
+        raise RecognitionError(
+            f"Pipeline {pipeline} has no classifier {classifier}; {', '.join(parts.classifiers)} is allowed."
+        )
     rows, labels, owners = parts.rows(sequences), sequences.labels, sequences.object_index
     generator = spawn_generator(seed, "recognition", "model", pipeline)
 
@@ -313,21 +325,21 @@ def fit_model(
         prepared = preparation.transform(rows)
         fitted = (
             fit_calibrated(model, prepared, labels, owners)
-            if is_order_free
+            if has_probabilities
             else model.fit(prepared, labels)
         )
         return Pipeline([("preparation", preparation), ("classifier", fitted)])
 
-    is_order_free = pipeline == "order_free"
+    has_probabilities = pipeline != "paper"
     certainties: dict[str, Certainty] = {}
     with one_thread():
         estimator = fit(rows, labels, owners)
-        for name in strategies if is_order_free else ():
+        for name in strategies if has_probabilities else ():
             certainty = fit_certainty(
                 fit, estimator, rows, labels, owners, same_strategy=strategy_of_row == name
             )
             certainties |= {} if certainty is None else {name: certainty}
-    waves = draw_waves(parameters.order_free, seed) if is_order_free else None
+    waves = draw_waves(parameters.order_free, seed) if has_probabilities else None
     return RecognitionModel(
         pipeline=pipeline,
         strategies=strategies,

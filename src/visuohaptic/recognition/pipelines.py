@@ -13,7 +13,7 @@ from sklearn.calibration import CalibratedClassifierCV
 from sklearn.decomposition import PCA
 from sklearn.neural_network import MLPClassifier
 from sklearn.pipeline import Pipeline
-from sklearn.preprocessing import FunctionTransformer, StandardScaler
+from sklearn.preprocessing import StandardScaler
 
 from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import RecognitionError
@@ -25,7 +25,7 @@ from visuohaptic.recognition.encoding import SequenceEncoder
 from visuohaptic.recognition.parameters import TOUCH_NETWORK, RecognitionParameters
 from visuohaptic.recognition.sequences import TouchSequences
 from visuohaptic.recognition.splits import held_out_folds
-from visuohaptic.recognition.touch_network import TouchNetwork, learned_rows
+from visuohaptic.recognition.touch_network import TouchNetwork, TouchPreparation, learned_rows
 
 logger = logging.getLogger(__name__)
 
@@ -151,7 +151,7 @@ class LearnedPipeline:
 
     parameters: RecognitionParameters
     seed: int
-    preparation: FunctionTransformer
+    preparation: TouchPreparation
     classifiers: Mapping[str, Any]
     name: str = "learned"
 
@@ -160,8 +160,10 @@ class LearnedPipeline:
         """Return the pipeline of some parameters; `seed` draws the waves of the descriptors and of pairs."""
         learned = parameters.learned
         network = MLPClassifier((learned.units,), max_iter=learned.passes)
-        classifier = TouchNetwork(network, make_order_free(), learned.discriminant_weight)
-        return cls(parameters, seed, FunctionTransformer(), {TOUCH_NETWORK: classifier})
+        order_free = make_order_free()
+        classifier = TouchNetwork(network, order_free[-1], learned.discriminant_weight)
+        preparation = TouchPreparation(order_free[:-1])
+        return cls(parameters, seed, preparation, {TOUCH_NETWORK: classifier})
 
     def rows(self, sequences: TouchSequences) -> NDArray[np.void]:
         """Compute the descriptors and the elements of sequences: (s,), by `learned_rows`."""

@@ -12,6 +12,8 @@ from typing import Any
 
 import numpy as np
 import skops.io
+from sklearn.discriminant_analysis import LinearDiscriminantAnalysis
+from sklearn.neural_network import MLPClassifier
 from sklearn.pipeline import Pipeline
 from sklearn.svm import SVC
 
@@ -23,6 +25,7 @@ from visuohaptic.recognition.certainty import Certainty, Reference
 from visuohaptic.recognition.frames import WaveBasis
 from visuohaptic.recognition.model import RecognitionModel
 from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.touch_network import TouchNetwork
 
 FORMAT = "visuohaptic recogniser 11"
 
@@ -38,7 +41,10 @@ LARGEST_SCHEMA_BYTES = 10**7
 TRUSTED = (
     "sklearn.calibration._CalibratedClassifier",
     "sklearn.calibration._TemperatureScaling",
+    "sklearn.neural_network._stochastic_optimizers.AdamOptimizer",
     "visuohaptic.recognition.quadratic_discriminant.QuadraticDiscriminant",
+    "visuohaptic.recognition.touch_network.TouchNetwork",
+    "visuohaptic.recognition.touch_network.TouchPreparation",
 )
 """Types of a model that skops does not trust by itself. All compute with arrays only."""
 
@@ -50,14 +56,14 @@ _TEXTS = ("pipeline", "classifier", "touches", "touching")
 
 
 def save_model(model: RecognitionModel, path: str | Path) -> None:
-    """Write a model of pipeline ``order_free`` with skops. Missing folders are made.
+    """Write a model of pipeline ``order_free`` or ``learned`` with skops. Missing folders are made.
 
     An old file is replaced only when the new file is complete. Raises `RecognitionError` for a model that is not safe to
     load, such as a decision tree: scikit-learn follows the indices in its file unchecked.
     """
     if model.waves is None:
         raise RecognitionError(
-            "A model of pipeline paper can't be saved; train pipeline order_free."
+            "A model of pipeline paper can't be saved; train pipeline order_free or learned."
         )
     content = skops.io.dumps(
         {
@@ -213,11 +219,18 @@ def _arrays(kind: type, state: dict[str, Any]) -> dict[str, Any]:
 
 
 def _check_estimator(estimator: Any) -> None:
-    """Raise `ValueError` if the arrays of a support vector machine don't fit each other: libsvm reads them unchecked."""
+    """Raise `ValueError` if the arrays of a support vector machine don't fit each other: libsvm reads them unchecked.
+
+    Raises `TypeError` if a part of a network of touches is of another type than `fit_model` makes, such as a machine.
+    """
     if not isinstance(estimator, Pipeline):
         raise TypeError("the estimator is no pipeline")
     (inner, *_) = getattr(estimator[-1], "calibrated_classifiers_", [estimator[-1]])
     machine = getattr(inner, "estimator", inner)
+    if isinstance(machine, TouchNetwork):
+        parts = (type(machine.network_), type(machine.discriminant_))
+        if parts != (MLPClassifier, LinearDiscriminantAnalysis):
+            raise TypeError("the parts of the network of touches are of other types")
     if not isinstance(machine, SVC):
         return
     vectors, classes = machine.support_vectors_, len(machine.classes_)

@@ -12,7 +12,7 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.base import BaseEstimator, ClassifierMixin, clone
+from sklearn.base import BaseEstimator, ClassifierMixin, TransformerMixin, clone
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.preprocessing import StandardScaler
 
@@ -96,6 +96,11 @@ ELEMENTS: Mapping[Frame, Callable[..., FloatArray]] = {
 """Elements of sequences by the known part of the frame: pairs where a single touch has few coordinates."""
 
 
+def learns_pairs(frame: Frame, touches: int) -> bool:
+    """Return whether the elements of sequences of so many touches are pairs; a single touch has no pair."""
+    return ELEMENTS[frame] is pair_elements and touches > 1
+
+
 def learned_rows(
     features: FloatArray, names: Sequence[str], waves: WaveBasis, parameters: RecognitionParameters
 ) -> NDArray[np.void]:
@@ -113,15 +118,38 @@ def learned_rows(
         As `describe_sequences`.
     """
     descriptors = describe_sequences(features, names, waves, parameters)
-    compute = ELEMENTS[parameters.frame] if features.shape[1] > 1 else touch_elements
+    has_pairs = learns_pairs(parameters.frame, features.shape[1])
+    compute = pair_elements if has_pairs else touch_elements
     elements = compute(features, names, waves, parameters.frame)
-    fields = [
-        ("descriptors", np.float64, descriptors.shape[1:]),
-        ("elements", np.float32, elements.shape[1:]),
-    ]
-    rows = np.empty(len(features), dtype=fields)
-    rows["descriptors"], rows["elements"] = descriptors, elements
-    return rows
+    return _as_rows(descriptors, elements)
+
+
+class TouchPreparation(TransformerMixin, BaseEstimator):  # type: ignore[misc]
+    """Scale and rotate the descriptors of `learned_rows`, and scale their elements.
+
+    Parameters
+    ----------
+    descriptors : estimator
+        Unfitted transformer of descriptors, (s, d).
+    random_state : int or Generator, optional
+        Draws the elements of long sequences by which elements are scaled.
+    """
+
+    def __init__(self, descriptors: Any, random_state: Any = None) -> None:
+        self.descriptors = descriptors
+        self.random_state = random_state
+
+    def fit(self, rows: NDArray[np.void], labels: IntArray | None = None) -> Self:  # noqa: ARG002 - as scikit-learn
+        """Fit on rows (s,) of `learned_rows`; `labels` have no influence."""
+        self.descriptors_ = clone(self.descriptors).fit(rows["descriptors"])
+        self.elements_ = StandardScaler().fit(_flat(_sample(rows["elements"], self.random_state)))
+        return self
+
+    def transform(self, rows: NDArray[np.void]) -> NDArray[np.void]:
+        """Return prepared rows with the same fields: (s,) to (s,)."""
+        elements = rows["elements"]
+        scaled = self.elements_.transform(_flat(elements)).reshape(elements.shape)
+        return _as_rows(self.descriptors_.transform(rows["descriptors"]), scaled)
 
 
 class TouchNetwork(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
@@ -157,26 +185,23 @@ class TouchNetwork(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         self.random_state = random_state
 
     def fit(self, rows: NDArray[np.void], labels: IntArray) -> Self:
-        """Fit both classifiers on rows (s,) of `learned_rows` and their classes (s,)."""
+        """Fit both classifiers on rows (s,) of `TouchPreparation` and their classes (s,)."""
         elements = _sample(rows["elements"], self.random_state)
-        self.scaling_ = StandardScaler().fit(_flat(elements))
         self.network_ = clone(self.network).set_params(random_state=self.random_state)
         with warnings.catch_warnings():
             # The number of passes is a setting; the network need not converge within it.
             warnings.simplefilter("ignore", ConvergenceWarning)
-            self.network_.fit(
-                self.scaling_.transform(_flat(elements)), np.repeat(labels, elements.shape[1])
-            )
-        self.discriminant_ = clone(self.discriminant).fit(rows["descriptors"], labels)
+            self.network_.fit(_flat(elements), np.repeat(labels, elements.shape[1]))
+        self.discriminant_ = clone(self.discriminant).fit(descriptors_of(rows), labels)
         self.classes_ = self.network_.classes_
         return self
 
     def predict_proba(self, rows: NDArray[np.void]) -> FloatArray:
         """Compute the probability of each class: (s,) to (s, c)."""
         elements = rows["elements"]
-        by_element = _logs(self.network_, self.scaling_.transform(_flat(elements)))
+        by_element = _logs(self.network_, _flat(elements))
         logs = by_element.reshape(*elements.shape[:2], -1).mean(axis=1)
-        logs = logs + self.discriminant_weight * _logs(self.discriminant_, rows["descriptors"])
+        logs = logs + self.discriminant_weight * _logs(self.discriminant_, descriptors_of(rows))
         probabilities: FloatArray = np.exp(logs - np.logaddexp.reduce(logs, axis=1, keepdims=True))
         return probabilities
 
@@ -186,7 +211,23 @@ class TouchNetwork(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         return predicted
 
 
-def _sample(elements: FloatArray, seed: int | None) -> FloatArray:
+def descriptors_of(prepared: Any) -> FloatArray:
+    """Return the descriptors (s, d) of prepared rows: a field in pipeline `learned`, the rows themselves elsewhere."""
+    descriptors: FloatArray = prepared["descriptors"] if prepared.dtype.names else prepared
+    return np.ascontiguousarray(descriptors)
+
+
+def _as_rows(descriptors: FloatArray, elements: FloatArray) -> NDArray[np.void]:
+    fields = [
+        ("descriptors", np.float64, descriptors.shape[1:]),
+        ("elements", np.float32, elements.shape[1:]),
+    ]
+    rows = np.empty(len(descriptors), dtype=fields)
+    rows["descriptors"], rows["elements"] = descriptors, elements
+    return rows
+
+
+def _sample(elements: FloatArray, seed: Any) -> FloatArray:
     """Return at most `MOST_ELEMENTS` elements of each sequence, without repetition: (s, n, e) to (s, m, e)."""
     sequences, count, _ = elements.shape
     if count <= MOST_ELEMENTS:
