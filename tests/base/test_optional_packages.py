@@ -56,15 +56,16 @@ def test_an_object_is_loaded_touched_and_saved(run_in_core, tmp_path):
 
 
 @pytest.mark.slow
-def test_every_module_but_those_of_the_report_and_of_open3d_can_be_imported(run_in_core):
+def test_every_module_but_those_of_report_environment_and_open3d_can_be_imported(run_in_core):
     done = run_in_core("""
 import importlib, pkgutil
 from importlib.util import find_spec
 import visuohaptic
-for name in ("dvc", "jinja2", "matplotlib", "open3d", "pandas", "psutil", "snakemake"):
+for name in ("dvc", "gymnasium", "jinja2", "matplotlib", "open3d", "pandas", "psutil", "snakemake"):
     assert find_spec(name) is None, name
 for module in pkgutil.walk_packages(visuohaptic.__path__, "visuohaptic."):
-    if not module.name.startswith("visuohaptic.report.") and "open3d" not in module.name:
+    needs_extra = module.name.startswith(("visuohaptic.environment.", "visuohaptic.report."))
+    if not needs_extra and "open3d" not in module.name:
         importlib.import_module(module.name)
 """)
     assert done.returncode == 0, done.stderr
