@@ -234,6 +234,22 @@ def test_methods_text_says_which_splits_were_taken(files, protocol, sentence):
     assert sentence in template.render(parameters=parameters, **values)
 
 
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({}, "16 directional sub-bands of its contourlet transform (9-7 pyramid"),
+        ({"descriptor": "wavelet"}, "described by 16 numbers (wavelet (db2)), to which"),
+    ],
+)
+def test_methods_text_names_the_descriptor_of_the_run(files, changes, sentence):
+    asked = PARAMETERS.model_dump(mode="json")
+    asked["features"] |= changes
+    parameters = ExperimentParameters.from_mapping(asked)
+    values = methods_values(ReportContext(read_run(files, parameters, OBJECTS), (), ()))
+    template = make_environment().get_template("methods.html.jinja")
+    assert sentence in template.render(parameters=parameters, **values)
+
+
 SAID = (
     "Eye fixations against random probing",
     *("85.58 %", "84.94 %", "93.45 %", "86.14 %", "56.68 %", "57.16 %"),

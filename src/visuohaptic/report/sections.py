@@ -14,12 +14,14 @@ from typing import Any
 from visuohaptic.attention.levels import CENTRE_LEVELS, SURROUND_OFFSETS
 from visuohaptic.evaluation.intervals import EXTRA
 from visuohaptic.evaluation.summary import confusion, select
+from visuohaptic.features.descriptors import DESCRIPTORS
 from visuohaptic.fixations.viewpoints import FIELD_OF_VIEW_DEGREES
 from visuohaptic.io.checkout import find_commit
 from visuohaptic.io.plugins import loaded
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pictures.imprint_scale import imprint_scale
 from visuohaptic.recognition.parameters import Protocol
+from visuohaptic.recognition.sequences import filled_bands
 from visuohaptic.report.comparison import PIPELINES, PipelineTable, draws_sentence, gain_sentence
 from visuohaptic.report.cost import compared_sentence, cost_answer, robot_front
 from visuohaptic.report.effects import (
@@ -60,7 +62,6 @@ from visuohaptic.report.studies import names_of_own_studies, read_study
 from visuohaptic.report.wording import CONTACT_STATES, percent, spaced, strategy_name, titled
 from visuohaptic.sensor.placing import PENETRATION_TOLERANCE
 from visuohaptic.studies.effects.influence import measured_scenes
-from visuohaptic.tables.phases import CONTOURLET_FEATURES
 from visuohaptic.tables.schema import matrix, read_table
 from visuohaptic.tables.studies import EVALUATION
 
@@ -148,14 +149,23 @@ def method_values(context: ReportContext) -> Values:
     page = context.explaining
     shown = select(context.run.features, **page.shown_rows, touch=0)
     own_fixations = context.run.own_fixations
+    names = filled_bands(context.run.features)
     return {
         "page": page,
-        "bands": matrix(shown, CONTOURLET_FEATURES)[0].tolist() if shown.num_rows else [],
+        "bands": matrix(shown, names)[0].tolist() if shown.num_rows else [],
+        "described_by": described_by(context.run),
         "pipelines_text": " ".join(_pipeline_texts(context.run)),
         "channels": sum_channels(context.run.views),
         "own_fixations": own_fixations_sentence(own_fixations),
         "own_fixations_rows": own_fixations_rows(own_fixations),
     }
+
+
+def described_by(run: Run) -> str:
+    """Return the number and the kind of the numbers that describe an imprint."""
+    entry = DESCRIPTORS[run.parameters.features.descriptor]
+    kind = "contourlet numbers" if entry.name == "contourlet" else f"numbers ({entry.label})"
+    return f"{len(filled_bands(run.features))} {kind}"
 
 
 def _pipeline_texts(run: Run) -> list[str]:
@@ -334,6 +344,8 @@ def methods_values(context: ReportContext) -> Values | None:
         "objects": len(run.objects),
         "classes": run.classes,
         "pipelines": _pipeline_texts(run),
+        "numbers": len(filled_bands(run.features)),
+        "descriptor": DESCRIPTORS[run.parameters.features.descriptor].label,
         "elevations": [f"{value:g}" for value in run.parameters.viewpoints.elevations_degrees],
         "weighted": [
             name if weight == 1.0 else f"{name} (weight {weight:g})"

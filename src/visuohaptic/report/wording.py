@@ -13,10 +13,10 @@ from visuohaptic.recognition.classifiers import CLASSIFIERS
 
 ADAPTIVE = "adaptive touching"
 CONTACT_STATES = {
-    "full": "the largest square fits, and the object lies under all of the square",
-    "shrunk": "the square shrank until nothing penetrates its plane",
-    "partial": "the object lies under only a part of the square",
-    "at_minimum": "the object penetrates even the smallest square",
+    "full": "the largest sensor fits, and the object lies under all of the sensor",
+    "shrunk": "the sensor shrank until nothing penetrates it",
+    "partial": "the object lies under only a part of the sensor",
+    "at_minimum": "the object penetrates even the smallest sensor",
     "blocked": "another part of the object is in the way of the approaching sensor",
 }
 
