@@ -259,16 +259,14 @@ class RecognitionModel:
         return is_rolling and has_bands and "contourlet" in parameters.order_free.cues
 
     def _describe(self, groups: Sequence[FloatArray]) -> list[Any]:
-        """Return one row per sequence from groups (s, t, k) of s sequences; each group has another length t.
-
-        Rows of pipeline ``learned`` stay apart by group, because a longer sequence has more elements.
-        """
+        """Return one row per sequence from groups (s, t, k) of s sequences; each group has another length t."""
         if self.waves is None:
             return [np.concatenate(groups)]
         compute = learned_rows if self.pipeline == "learned" else describe_sequences
         described = [
             compute(group, self.feature_names, self.waves, self.parameters) for group in groups
         ]
+        # A longer sequence has more elements, so rows of `learned` stay apart by group.
         return described if self.pipeline == "learned" else [np.concatenate(described)]
 
 

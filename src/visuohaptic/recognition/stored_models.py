@@ -219,10 +219,7 @@ def _arrays(kind: type, state: dict[str, Any]) -> dict[str, Any]:
 
 
 def _check_estimator(estimator: Any) -> None:
-    """Raise `ValueError` if the arrays of a support vector machine don't fit each other: libsvm reads them unchecked.
-
-    Raises `TypeError` if a part of a network of touches is of another type than `fit_model` makes, such as a machine.
-    """
+    """Raise `TypeError` for parts of wrong types, and `ValueError` if a machine's arrays don't fit: libsvm checks nothing."""
     if not isinstance(estimator, Pipeline):
         raise TypeError("the estimator is no pipeline")
     (inner, *_) = getattr(estimator[-1], "calibrated_classifiers_", [estimator[-1]])
