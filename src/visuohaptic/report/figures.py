@@ -274,13 +274,13 @@ def stability(table: pa.Table) -> Figure:
 
 
 @style()
-def bands(deviations: Sequence[float]) -> Figure:
-    """Draw the standard deviations of the sub-bands of an imprint's contourlet transform, one bar per sub-band."""
+def bands(numbers: Sequence[float], across: str = "sub-band", along: str = "deviation") -> Figure:
+    """Draw the numbers that describe an imprint, one bar per number, with the labels of both axes."""
     chart, axes = new_chart(105, width=150)
-    axes.bar(range(1, len(deviations) + 1), deviations, color=look(0)[0])
-    axes.set_xticks([1, len(deviations)])
+    axes.bar(range(1, len(numbers) + 1), numbers, color=look(0)[0])
+    axes.set_xticks([1, len(numbers)])
     axes.locator_params(axis="y", nbins=3)
-    return label_axes(chart, "sub-band", "deviation")
+    return label_axes(chart, across, along)
 
 
 def trends(rows: Sequence[Mapping[str, Any]]) -> list[list[Mapping[str, Any]]]:
