@@ -184,14 +184,18 @@ class OrderFreeParameters(Section):
 
 
 class LearnedParameters(Section):
-    """A network of single touches, or of pairs of touches, beside the linear discriminant of `order_free`."""
+    """A network of touches, or of pairs of touches, beside the linear discriminant of `order_free`.
+
+    `order_free.cues` choose the input of the discriminant only; the network's input is all that is known of touches.
+    """
 
     units: int = Field(256, ge=1, le=10_000, description="Hidden units of the network")
     passes: int = Field(80, ge=1, le=10_000, description="Passes over the training touches")
     discriminant_weight: float = Field(
         0.1,
         ge=0,
-        description="Weight of the discriminant's log probabilities beside the network's",
+        description="Weight of the discriminant's log probabilities beside the network's; only the discriminant's "
+        "input follows `order_free.cues`",
     )
 
 

@@ -27,9 +27,9 @@ from visuohaptic.recognition.frames import WaveBasis, both_ways, pair_coordinate
 from visuohaptic.recognition.parameters import Frame, RecognitionParameters
 
 PAIR_WAVES = 128
-"""Plane waves of a pair's distance and cosines."""
+"""Number of plane waves of a pair's distance and cosines."""
 
-NEAREST = 0.01
+LOG_OFFSET = 0.01
 """Distance that is added before the logarithm of a pair's distance is computed (object radii)."""
 
 MOST_ELEMENTS = 20
@@ -69,7 +69,7 @@ def pair_elements(
     coordinates = pair_coordinates(pairs, pairs.distance, nothing, nothing)
     relations = [
         pairs.distance,
-        np.log(pairs.distance + NEAREST),
+        np.log(pairs.distance + LOG_OFFSET),
         pairs.leaving,
         pairs.arriving,
         pairs.agreement,
