@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from filling import COLOURS, fill_page, points, table
 
-from touch_agents.measure import CHOOSERS, FRAMES, KEPT, TOUCHES
+from touch_agents.measure import CHOOSERS, FRAMES, TOUCHES
+from visuohaptic.studies.keeping import read_figures
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -27,16 +27,9 @@ SHOWN = (1, 2, 3, 5)
 Row = Mapping[str, Any]
 
 
-def kept() -> dict[str, Any]:
-    """Read the kept figures."""
-    figures: dict[str, Any] = json.loads(KEPT.read_text(encoding="utf-8"))
-    return figures
-
-
 def blocks() -> dict[str, str]:
     """Return the generated parts of the page by name of the block."""
-    figures = kept()
-    rows = figures["rows"]
+    rows, source = read_figures(HERE, "paper")
     shown = [row for row in rows if row["touches"] in SHOWN]
     heads = ["frame", "touches after", *LABELS.values()]
     leads = [row for row in shown if row["chooser"] != "random"]
@@ -44,7 +37,7 @@ def blocks() -> dict[str, str]:
         "accuracy": table(heads, _table(shown, _accuracy)),
         "loss": table(heads, _table(shown, _loss)),
         "leads": table([*heads[:2], *list(LABELS.values())[1:]], _table(leads, _lead)),
-        "measured": f"Measured on {figures['date']}, commit {figures['commit'][:12]}.",
+        "measured": f"Measured on {source.date}, commit {source.commit[:12]}.",
     }
 
 
@@ -83,7 +76,7 @@ def draw() -> Figure:
     """Draw accuracy and loss against touches, one column per frame, with the interval of random places in reach."""
     from matplotlib.figure import Figure
 
-    rows = kept()["rows"]
+    rows, _ = read_figures(HERE, "paper")
     figure = Figure(figsize=(10.8, 5.4), layout="constrained")
     axes = figure.subplots(2, len(FRAMES), sharex=True, sharey="row")
     for column, frame in enumerate(FRAMES):

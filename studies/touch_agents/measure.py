@@ -1,15 +1,15 @@
-"""Measure accuracy and loss after each touch, by chooser of touches and by frame: `python -m touch_agents.measure`.
+"""Measure accuracy and loss after each touch, by chooser of touches and by frame: `python -m touch_agents.measure FILE`.
 
-The choosers are strategies and a policy of the experiment, with the touches that they make in the environment. The eyes
+`make keep STUDY=touch_agents FILE=FILE` keeps the figures. The choosers are strategies and a policy of the experiment, with the touches that they make in the environment. The eyes
 are pipeline `order_free`, trained in each split on touches of the same chooser on other objects.
 """
 
 from __future__ import annotations
 
+import argparse
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ import numpy as np
 import pyarrow as pa
 
 from visuohaptic.base.arrays import FloatArray
+from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic.evaluation.intervals import (
     DIFFERENCE,
     SHARE,
@@ -30,7 +31,6 @@ from visuohaptic.evaluation.intervals import (
 )
 from visuohaptic.evaluation.metrics import round_numbers
 from visuohaptic.exploration.exploring import TouchableObject, load
-from visuohaptic.io.checkout import find_commit
 from visuohaptic.parameters import ExperimentParameters, as_parameters
 from visuohaptic.recognition.experiment import predict_splits
 from visuohaptic.recognition.pipelines import pipeline_of
@@ -42,18 +42,19 @@ CHOOSERS = ("random", "random_visible", "fixation", "seek_relief")
 FRAMES = ("full", "vertical", "centre", "none")
 TOUCHES = (1, 2, 3, 5, 8)
 MESHES = Path(__file__).parents[2] / "meshes/paper"
-KEPT = Path(__file__).with_name("kept_paper.json")
 
 
 def main() -> None:
-    """Measure and keep the figures, with the commit and the day."""
+    """Measure, and write the figures as JSON to the file that the command names."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("output", type=Path, help="such as results/touch_agents.json")
+    output = parser.parse_args().output
     objects = [load(path) for path in sorted(MESHES.glob("*/*.ply.gz"))]
-    kept = {"commit": find_commit(), "date": datetime.now(UTC).strftime("%Y-%m-%d")}
     rows = []
     for row in measure(objects, CHOOSERS, FRAMES, TOUCHES):
         rows.append(round_numbers(row))
         print(row["chooser"], row["frame"], row["touches"], row["accuracy"]["objects"], flush=True)
-    KEPT.write_text(json.dumps({**kept, "rows": rows}) + "\n", encoding="utf-8")
+    atomic_write_text(output, json.dumps(rows) + "\n")
 
 
 def measure(
