@@ -3,27 +3,28 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
-from filling import DOCS, SETS, fill_page, read_json, share, table
+import pandas as pd
+from filling import DOCS, fill_page, points, read_json, share, table
 
-from cues.kept import kept_cues_of
-from cues.sentences import carries_sentence
+from first_touch.summary import Place, lead, read_kept
 from turned.kept import read_turned
-from turned.leads import KeptLeads, question_sentence, read_kept_leads
+from turned.leads import KeptLeads, read_kept_leads
 from turned.rows import turned_rows
-from variants.result import papers_pipeline_sentences
-from variants.summary import kept_summary
-from visuohaptic.evaluation.leads import Question
 from visuohaptic.evaluation.published import TABLE_1
+from visuohaptic.parameters import CostParameters
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.comparison import pipeline_tables
-from visuohaptic.report.leads import Lead, run_leads
-from visuohaptic.report.questions import QUESTIONS, Answer, lead_answer, recognition_answer
-from visuohaptic.report.wording import POSES
-from visuohaptic_workflow.closing import REPORT, describe_results
+from visuohaptic.report.leads import SIGNIFICANCE, verdict
+from visuohaptic.report.wording import (
+    POSES,
+    counted,
+    listed,
+    percent,
+    percent_points,
+    strategy_name,
+)
 
 ROOT = DOCS.parent
 UNSEEN = "unseen objects"
@@ -35,6 +36,12 @@ LABELS = {
     "naive_bayes": "naïve Bayes",
     "linear_discriminant": "linear discriminant",
 }
+SETTINGS = {
+    "skin alone": "5 touches, imprints only",
+    "pose alone": "5 touches, positions and normals only",
+    "with its map": "5 touches",
+    "without the map": "5 touches, without the map",
+}
 RUNS = {
     "cold_run": "cold `snakemake -j2`, meshes to report",
     "no_op": "nothing to do",
@@ -44,9 +51,8 @@ RUNS = {
 
 
 def results_table(metrics: dict[str, Any]) -> str:
-    """Set our accuracies, of `reports/metrics.json`, beside the published ones and those of the most literal variant."""
-    literal, strategies = kept_summary().literal, ("fixation", "random")
-    rows = []
+    """Set our accuracies, of `reports/metrics.json`, beside the published ones."""
+    strategies, rows = ("fixation", "random"), []
     for classifier, label in LABELS.items():
         paper, ours = (
             [cell_of(metrics["results"][name][one], classifier) for one in strategies]
@@ -56,89 +62,132 @@ def results_table(metrics: dict[str, Any]) -> str:
             share(TABLE_1[classifier][one], 2) if classifier in TABLE_1 else ""
             for one in strategies
         ]
-        read = [
-            share(literal[one][classifier]) if classifier in literal[one] else ""
-            for one in strategies
-        ]
-        rows.append([label, paper[0], published[0], paper[1], published[1], *read, *ours])
+        rows.append([label, paper[0], published[0], paper[1], published[1], *ours])
     heads = ["classifier", "eye fixations", "published", "random probing", "published"]
-    heads += ["literal, fixations", "literal, random walk", "ours, fixations", "ours, random"]
-    return table(heads, rows)
+    return table([*heads, "ours, fixations", "ours, random"], rows)
 
 
 def cell_of(by_classifier: dict[str, Any], classifier: str) -> str:
-    """Write the accuracy of a classifier, empty for a classifier that the pipeline does not have."""
+    """Write the accuracy of a classifier with its interval, empty for a classifier that the pipeline does not have."""
     if classifier not in by_classifier:
         return ""
-    return percent(by_classifier[classifier]["accuracy"])
-
-
-def percent(interval: dict[str, float]) -> str:
-    """Write a mean and its interval, 0 to 1 each, in per cent, such as ``64.0 % (50.9–77.7)``."""
-    return f"{share(interval['mean'])} ({100 * interval['low']:.1f}–{100 * interval['high']:.1f})"
-
-
-def turned_table() -> str:
-    """Set kept accuracies by fixation in a row per pose of the objects, and a column per set and pipeline."""
-    kept = read_turned()
-    found = {
-        name: turned_rows(kept[name], IntervalParameters())
-        for name in sorted(kept, key="paper".__ne__)
-    }
-    heads, columns = ["objects are"], []
-    for name, rows in found.items():
-        for pipeline, label in (("paper", "the paper's pipeline"), ("order_free", "ours")):
-            columns.append({row.turns: row.fixation for row in rows if row.pipeline == pipeline})
-            heads.append(f"{SETS[name]}, {label}")
-    rows = [
-        [pose, *(percent(vars(one[turns])) if turns in one else "" for one in columns)]
-        for turns, pose in POSES.items()
-    ]
-    return table(heads, rows)
+    found = by_classifier[classifier]["accuracy"]
+    return f"{share(found['mean'])} ({100 * found['low']:.1f}–{100 * found['high']:.1f})"
 
 
 def answers(metrics: dict[str, Any]) -> str:
-    """Answer the questions of the experiment from the figures of twelve objects and the kept leads of 142."""
-    tables = pipeline_tables(metrics)
+    """Answer the questions of the experiment, a list item each, from figures of twelve objects and kept figures of 142."""
     kept = read_kept_leads(IntervalParameters())
     if kept is None:
         raise FileNotFoundError("no leads of 142 objects are kept; run `make draws SET=benchmark`.")
-    leads = run_leads(metrics, {one.name: one.headline.key for one in tables}, "none", "full")
-    recognised = recognition_answer(
-        tables,
-        len(tables[0].best.class_accuracy["fixation"]),
-        5,
-        UNSEEN,
-        caveats=(
-            carries_sentence(kept_cues_of("paper"), IntervalParameters()),
-            papers_pipeline_sentences(kept_summary()),
-        ),
+    items = {
+        "Can an object be recognised by touch?": recognised(metrics),
+        "Does it help to see where one touches?": seeing(kept),
+        "Does it help to touch the most salient of the places in sight?": salience(kept),
+        "Where to put the first touch?": first_touch(),
+    }
+    lines = [f"- **{question}** {answer}" for question, answer in items.items()]
+    return "\n".join(map(_wrapped, lines))
+
+
+def recognised(metrics: dict[str, Any]) -> str:
+    """Return how often five touches are classified correctly: of the run's objects, and of 142, upright and turned."""
+    own = pipeline_tables(metrics)
+    paper, ours = (percent(one.headline.accuracy["fixation"].mean) for one in own)
+    categories = len(own[0].best.class_accuracy["fixation"])
+    kept = read_turned()["benchmark"]
+    shares = {
+        turns: listed(
+            [
+                percent(row.fixation.mean)
+                for row in turned_rows(kept, IntervalParameters())
+                if row.turns == turns and row.pipeline != "literal"
+            ]
+        )
+        for turns in POSES
+    }
+    return (
+        f"Yes. By five touches of an unseen object, the paper's pipeline is right in {paper} of cases and our pipeline, "
+        f"`order_free`, in {ours}, where guessing gives {percent(1 / categories, 0)}: {counted(own[0].objects, 'object')} in "
+        f"{counted(categories, 'class')}. On {counted(len(kept.objects), 'object')} in "
+        f"{counted(len(set(kept.classes)), 'class')} the pipelines are right in {shares['none']} if objects stand upright and "
+        f"face one way, and in {shares['any']} if they are turned in any way; guessing gives "
+        f"{percent(1 / len(set(kept.classes)), 0)}."
     )
-    found = [
-        *(_lead_lines(question, leads, kept) for question in QUESTIONS),
-        _answer_lines(recognised),
+
+
+def seeing(kept: KeptLeads) -> str:
+    """Return the largest lead and the largest deficit of places that are seen over random places in reach."""
+    found = verdict(kept.of("seeing"))
+    if not found.ahead or not found.behind:
+        raise ValueError("the answer to `seeing` has another form today: write its sentence again.")
+    most = max(found.ahead, key=lambda lead: lead.difference.mean)
+    least = min(found.behind, key=lambda lead: lead.difference.mean)
+    helped = {lead.turns for lead in found.ahead}
+    poses = "if objects stand upright" if helped <= {"none", "vertical"} else "in some poses"
+    return (
+        f"It can, {poses}: in {len(found.ahead)} of {counted(len(found.leads), 'comparison')} places in sight, random or "
+        f"fixated, are ahead of random places in reach, by up to {points(most.difference.mean)} points. In "
+        f"{len(found.behind)}, with objects that are {listed(sorted({POSES[lead.turns] for lead in found.behind}))}, they are "
+        f"behind, by up to {points(least.difference.mean)}."
+    )
+
+
+def salience(kept: KeptLeads) -> str:
+    """Return the lead of fixations over random places in sight that is excluded, for new objects and for new classes."""
+    found, drawn = (verdict(kept.of("salience"), over) for over in ("objects", "classes"))
+    if found.word != "no" or drawn.excluded is None:
+        raise ValueError("the answer to `salience` is not no today: write its sentence again.")
+    return (
+        f"No: fixations are ahead of random places in sight in none of {counted(len(found.leads), 'comparison')}. A lead "
+        f"above {percent_points(found.excluded)} points is excluded for other objects of these classes, and above "
+        f"{percent_points(drawn.excluded)} points for other classes."
+    )
+
+
+def first_touch() -> str:
+    """Return the lead of the first touch at a place where people are predicted to look, in pipeline `order_free`."""
+    rows, one = read_kept("benchmark"), Place(touches=1)
+    gaze, highest = (
+        lead(rows, "human", rival, one, IntervalParameters())
+        for rival in ("random_visible", "highest")
+    )
+    if gaze.p_value >= SIGNIFICANCE or highest.p_value < SIGNIFICANCE:
+        raise ValueError(
+            "the answer on the first touch has another form today: write its sentence again."
+        )
+    return (
+        f"On an upright object, where a model of people's gaze predicts a look: "
+        f"{points(gaze.difference.mean)} points over a random place in sight. The highest visible place, a rule without a "
+        f"model, does as well, as far as is shown."
+    )
+
+
+def _wrapped(item: str) -> str:
+    plain = item.replace("\N{NO-BREAK SPACE}", " ")
+    return textwrap.fill(plain, 100, break_on_hyphens=False, subsequent_indent="  ")
+
+
+def cost_table(frontier: pd.DataFrame, cost: CostParameters) -> str:
+    """Set accuracy beside time, in a row per setting of study `frontier`; computing times are relative to the run's own."""
+    of_run = (
+        frontier["family"].eq("fixation") & frontier["touches"].eq(5) & frontier["viewpoints"].eq(1)
+    )
+    (whole,) = frontier.loc[of_run, "seconds"]
+    heads = ["pipeline", "places of touch", "touches", "correctly classified", "computing time"]
+    rows = [
+        [
+            "ours" if row.pipeline == "order_free" else "the paper's",
+            strategy_name(row.strategy),
+            SETTINGS.get(row.setting, row.setting.removesuffix(", 1 viewpoint"))
+            + ", imprints of 16 × 16" * (row.family == "small_imprint"),
+            f"{share(1 - row.error)} ({100 * (1 - row.error_high):.1f}–{100 * (1 - row.error_low):.1f})",
+            f"{100 * row.seconds / whole:.0f} %",
+            f"{row.touches * cost.touch_seconds + row.looks * cost.look_seconds:.1f} s",
+        ]
+        for row in frontier.itertuples()
     ]
-    return "\n\n".join(found).replace("\N{NO-BREAK SPACE}", " ")
-
-
-def _answer_lines(answer: Answer) -> str:
-    """Write an answer as a paragraph and one list item per further sentence."""
-    first = f"**{answer.question}** {answer.finding}: {answer.number} {answer.sentence}"
-    lines = [_wrapped(first), ""] if answer.caveats else [_wrapped(first)]
-    lines += [_wrapped(f"- {sentence}", "  ") for sentence in answer.caveats]
-    return "\n".join(lines)
-
-
-def _lead_lines(question: Question, leads: Sequence[Lead], kept: KeptLeads) -> str:
-    """Write the answer on more objects as a paragraph, and the answer on the run's objects as a list item."""
-    answer, more = lead_answer(question, leads), question_sentence(question, kept)
-    first, *_ = answer.sentence.split(". ")
-    own = f"- On the run's objects: {answer.finding[0].lower()}{answer.finding[1:]}; {answer.number} {first}."
-    return "\n".join([_wrapped(f"**{answer.question}** {more}"), "", _wrapped(own, "  ")])
-
-
-def _wrapped(text: str, indent: str = "") -> str:
-    return textwrap.fill(text, 100, break_on_hyphens=False, subsequent_indent=indent)
+    return table([*heads, "a robot's time"], rows)
 
 
 def speed_table(results: dict[str, Any]) -> str:
@@ -158,20 +207,10 @@ def speed_table(results: dict[str, Any]) -> str:
     return f"{measured}\n\n{textwrap.fill(sentence, 100, break_on_hyphens=False)}"
 
 
-def printed_lines(metrics: Path) -> str:
-    """Return the figures of `reports/metrics.json` as `make` prints them at its end, a Markdown block."""
-    lines = [*describe_results(metrics, "none"), f"The report is at {REPORT}."]
-    return "\n".join(["```text", *lines, "```"])
-
-
 if __name__ == "__main__":
-    metrics = ROOT / "reports" / "metrics.json"
-    found = read_json(metrics)
-    blocks = {
-        "results": results_table(found),
-        "answers": answers(found),
-        "turned": turned_table(),
-    }
-    fill_page(ROOT / "README.md", {**blocks, "make": printed_lines(metrics)})
+    found = read_json(ROOT / "reports" / "metrics.json")
+    fill_page(ROOT / "README.md", {"results": results_table(found), "answers": answers(found)})
+    costs = pd.read_parquet(ROOT / "results" / "frontier.parquet")
+    fill_page(DOCS / "accuracy_and_time.md", {"costs": cost_table(costs, CostParameters())})
     timed = read_json(ROOT / "benchmarks" / "results.json")
     fill_page(DOCS / "scaling.md", {"speed": speed_table(timed)})

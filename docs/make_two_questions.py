@@ -21,6 +21,8 @@ from visuohaptic.report.questions import QUESTIONS
 from visuohaptic.report.wording import points, probability, titled
 
 PICTURES = DOCS / "pictures"
+OF_README = ("sight", "salience")
+"""Leads in the picture of README: they add up to the lead of fixations over random places in reach."""
 
 
 def blocks(kept: KeptLeads) -> dict[str, str]:
@@ -100,8 +102,12 @@ if __name__ == "__main__":
     kept = read_kept_leads(IntervalParameters())
     fill_page(DOCS / "two_questions.md", blocks(kept))
     fill_page(DOCS.parent / "paper" / "paper.md", {"sentences": sentences(kept)})
-    whole = [lead for lead in kept.leads if lead.known == "full"]
-    for name, leads in (("leads", whole), ("leads_by_frame", kept.leads)):
+    main = [
+        lead
+        for lead in kept.leads
+        if lead.known == "full" and lead.pipeline != "literal" and lead.name in OF_README
+    ]
+    for name, leads in (("leads", main), ("leads_by_frame", kept.leads)):
         figures.leads(leads).savefig(PICTURES / f"{name}.png", dpi=150, facecolor="white")
     for leads in kept.by_class():
         picture = PICTURES / f"leads_by_class_{leads[0].pipeline}.png"

@@ -196,7 +196,6 @@ if __name__ == "__main__":
     said = f"**Does a model of gaze help to choose the first touch?** {sentence(read_kept('benchmark'))}"
     link = " ([first_touch]({}studies/first_touch/README.md))"
     for page, more in (
-        (DOCS.parent / "README.md", link.format("")),
         (DOCS / "two_questions.md", link.format("../")),
         (DOCS.parent / "paper" / "paper.md", ""),
     ):

@@ -108,7 +108,7 @@ def lead_in_words(lead: Lead) -> str:
 
 
 def question_sentence(question: Question, kept: KeptLeads) -> str:
-    """Answer a question by kept leads: a short sentence, and the evidence."""
+    """Answer a question by kept leads, with the largest lead and the number of conditions in which a lead is shown."""
     found = verdict(kept.of(question))
     said = _salience(found) if question == "salience" else _seeing(found)
     return f"{said} ({counted(kept.objects, 'object')}, measured on {listed(kept.dates)})."
@@ -116,19 +116,18 @@ def question_sentence(question: Question, kept: KeptLeads) -> str:
 
 def _seeing(found: Verdict) -> str:
     """Return in which poses seeing helps, and the number of comparisons in which places that are seen are ahead."""
-    poses = [turns for turns in POSES if any(lead.turns == turns for lead in found.leads)]
-    helped = [turns for turns in poses if any(lead.turns == turns for lead in found.ahead)]
-    headline = "Seeing is not shown to help to choose places."
-    if helped:
-        others = [turns for turns in poses if turns not in helped]
-        rest = f", and is not shown to help if they are {_poses(others)}" if others else ""
-        headline = f"Seeing can help if objects are {_poses(helped)}{rest}."
     drawn = verdict(found.leads, "classes")
+    compared = counted(len(found.leads), "comparison")
+    headline = f"Not shown: in none of {compared} are places that are seen ahead of random places in reach"
+    if found.ahead:
+        poses = [turns for turns in POSES if any(lead.turns == turns for lead in found.ahead)]
+        headline = (
+            f"It can, if objects are {_poses(poses)}: in {len(found.ahead)} of {compared} places that are seen are ahead of "
+            f"random places in reach{_most(found.ahead, max)}"
+        )
     return (
-        f"{headline} In {len(found.ahead) or 'none'} of {counted(len(found.leads), 'comparison')} places that are seen are "
-        f"ahead of random places in reach{_most(found.ahead, max)}, and in {len(found.behind) or 'none'} they are "
-        f"behind{_most(found.behind, min)}; for new classes, too, they are ahead in {len(drawn.ahead) or 'none'} and behind "
-        f"in {len(drawn.behind) or 'none'}"
+        f"{headline}. They are behind in {len(found.behind) or 'none'}{_most(found.behind, min)}. For new classes they are "
+        f"ahead in {len(drawn.ahead) or 'none'} and behind in {len(drawn.behind) or 'none'}"
     )
 
 
@@ -144,7 +143,7 @@ def _most(leads: Sequence[Lead], end: Callable[..., Lead]) -> str:
     if not leads:
         return ""
     most = end(leads, key=lambda lead: lead.difference.mean)
-    return f",{' most of all' * (len(leads) > 1)} in {most.condition} ({lead_in_words(most)})"
+    return f",{' most of all' * (len(leads) > 1)} in {most.condition}: {lead_in_words(most)}"
 
 
 def _salience(found: Verdict) -> str:
@@ -152,29 +151,19 @@ def _salience(found: Verdict) -> str:
     count = counted(len(found.leads), "condition")
     behind = ""
     if found.behind:
-        behind = f"; fixations are behind in {len(found.behind)}{_most(found.behind, min)}"
+        behind = f". They are behind in {len(found.behind)}{_most(found.behind, min)}"
     if found.ahead:
         return (
-            f"Salience helps in {len(found.ahead)} of {count}. Fixations are ahead of random places in "
+            f"In some conditions: in {len(found.ahead)} of {count} fixations are ahead of random places in "
             f"sight{_most(found.ahead, max)}{behind}"
         )
     excluded = ""
     if found.excluded is not None:
         end = verdict(found.leads, "classes").excluded
-        more = (
-            ""
-            if end is None
-            else f"; for new classes only a lead above {percent_points(end)} points is excluded"
-        )
-        excluded = (
-            f". A lead above {percent_points(found.excluded)} points is excluded in each{more}"
-        )
-    helps = (
-        "Salience does not help on objects of these classes"
-        if found.word == "no"
-        else "Salience is not shown to help"
-    )
-    return f"{helps}. In none of {count} are fixations ahead of random places in sight{excluded}{behind}"
+        more = "" if end is None else f" (for new classes, above {percent_points(end)} points)"
+        excluded = f", and a lead above {percent_points(found.excluded)} points is excluded{more}"
+    helps = "No, on objects of these classes" if found.word == "no" else "Not shown"
+    return f"{helps}: in none of {count} are fixations ahead of random places in sight{excluded}{behind}"
 
 
 def _of_draws(kept: KeptSet) -> dict[_Condition, dict[str, _Measured]]:

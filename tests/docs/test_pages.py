@@ -270,17 +270,6 @@ def test_the_page_of_a_study_shows_what_the_study_keeps(study, run_script):
         assert f"<!-- {block} -->\n{content}\n<!-- /{block} -->" in made["PAGE"].read_text()
 
 
-def test_the_readme_shows_the_kept_accuracies_of_turned_objects(run_script):
-    content = run_script("docs/make_readme")["turned_table"]()
-    text = (ROOT / "README.md").read_text()
-    assert f"<!-- turned -->\n{content}\n<!-- /turned -->" in text
-    page = (ROOT / "studies/turned/README.md").read_text()
-    shown = re.findall(r"(\d+\.\d) % \((\d+\.\d)–(\d+\.\d)\)", content)
-    assert len(shown) == 12
-    for mean, low, high in shown:
-        assert f"| {mean} % ({low} % to {high} %) |" in page
-
-
 def test_the_page_of_certainty_shows_the_kept_answers_for_odd_objects():
     answers = read_table(EVALUATION, ROOT / "studies/trust/kept_odd.parquet")
     rows = summarise_evaluation(answers, IntervalParameters())

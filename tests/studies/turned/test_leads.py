@@ -26,17 +26,24 @@ def kept_of(*leads):
 def test_no_names_the_largest_lead_that_is_excluded_and_where_fixations_are_behind():
     leads = [lead(0.01), lead(-0.08, p=0.001, turns="vertical")]
     assert plain(question_sentence("salience", kept_of(*leads))) == (
-        "Salience does not help on objects of these classes. In none of 2 conditions are fixations ahead of random places in "
-        "sight. A lead above 4.0 points is excluded in each; for new classes only a lead above 7.0 points is excluded; "
-        "fixations are behind in 1, in the paper's pipeline, upright, turned about the vertical (−8.0 points (new objects "
-        "−11.0 to −5.0, new classes −14.0 to −2.0)) (142 objects, measured on 2026-11-28)."
+        "No, on objects of these classes: in none of 2 conditions are fixations ahead of random places in sight, and a lead "
+        "above 4.0 points is excluded (for new classes, above 7.0 points). They are behind in 1, in the paper's pipeline, "
+        "upright, turned about the vertical: −8.0 points (new objects −11.0 to −5.0, new classes −14.0 to −2.0) "
+        "(142 objects, measured on 2026-11-28)."
     )
 
 
 def test_a_lead_that_is_not_excluded_is_not_called_no():
     said = question_sentence("salience", kept_of(lead(0.04)))
-    assert said.startswith("Salience is not shown to help. In none of 1 condition")
-    assert "A lead above 7.0 points is excluded" in said
+    assert said.startswith("Not shown: in none of 1 condition")
+    assert "a lead above 7.0 points is excluded" in said
+
+
+def test_fixations_that_are_ahead_are_counted():
+    said = question_sentence("salience", kept_of(lead(0.1, p=0.001), lead(0.0)))
+    assert plain(said).startswith(
+        "In some conditions: in 1 of 2 conditions fixations are ahead of random places in sight, in the paper's pipeline"
+    )
 
 
 def test_seeing_is_said_to_help_in_the_poses_with_a_lead():
@@ -46,18 +53,23 @@ def test_seeing_is_said_to_help_in_the_poses_with_a_lead():
         lead(-0.07, p=0.001, name="sight", turns="any"),
     ]
     assert plain(question_sentence("seeing", kept_of(*leads))) == (
-        "Seeing can help if objects are upright, facing one way, and is not shown to help if they are turned in any way. In 1 "
-        "of 3 comparisons places that are seen are ahead of random places in reach, in the paper's pipeline, "
-        "upright, facing one way (+10.0 points (new objects +7.0 to +13.0, new classes +4.0 to +16.0)), and in 1 they are "
-        "behind, in the paper's pipeline, turned in any way (−7.0 points (new objects −10.0 to −4.0, new classes "
-        "−13.0 to −1.0)); for new classes, too, they are ahead in 1 and behind in none (142 objects, measured on 2026-11-28)."
+        "It can, if objects are upright, facing one way: in 1 of 3 comparisons places that are seen are ahead of random "
+        "places in reach, in the paper's pipeline, upright, facing one way: +10.0 points (new objects +7.0 to +13.0, new "
+        "classes +4.0 to +16.0). They are behind in 1, in the paper's pipeline, turned in any way: −7.0 points (new objects "
+        "−10.0 to −4.0, new classes −13.0 to −1.0). For new classes they are ahead in 1 and behind in none (142 objects, "
+        "measured on 2026-11-28)."
     )
+
+
+def test_seeing_without_a_lead_is_not_shown_to_help():
+    said = question_sentence("seeing", kept_of(lead(0.0, name="sight")))
+    assert said.startswith("Not shown: in none of 1 comparison are places that are seen ahead")
 
 
 def test_two_upright_poses_are_named_together():
     leads = [lead(0.1, p=0.001, name="sight", turns=turns) for turns in ("none", "vertical")]
     said = question_sentence("seeing", kept_of(*leads))
-    assert said.startswith("Seeing can help if objects are upright. In 2 of 2 comparisons")
+    assert said.startswith("It can, if objects are upright: in 2 of 2 comparisons")
 
 
 # The kept leads, recomputed from the files.
