@@ -23,7 +23,6 @@ ROOT = DOCS.parent
 SETTINGS = DOCS / "site"
 BUILD = ROOT / "build"
 REPORT = ROOT / "reports" / "report.html"
-PLACEHOLDER = "https://example.org/visuohaptic"
 FIRST, NAVIGATION = "README.md", "docs/README.md"
 # All pages of these folders are on the site, and of others the pages that docs/README.md lists.
 FOLDERS = ("docs/", "packages/", "studies/")
@@ -34,12 +33,12 @@ PATH = r"[\w/-]+\.md|[\w-]+/[\w/-]+"
 LINK = re.compile(r"(?P<start>!?\[[^\]]*\]\()(?P<target>[^)\s#:]+)(?P<anchor>#[^)\s]*)?\)")
 
 
-def repository_address() -> str:
-    """Return the address of the repository, from `project.urls` of pyproject.toml, or a placeholder."""
+def repository_address() -> str | None:
+    """Return the address of the repository, from `project.urls` of pyproject.toml; None if there is none."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     addresses = {name.lower(): str(address) for name, address in project.get("urls", {}).items()}
     names = [name for name in ("repository", "source", "homepage") if name in addresses]
-    return addresses[names[0]].rstrip("/").removesuffix(".git") if names else PLACEHOLDER
+    return addresses[names[0]].rstrip("/").removesuffix(".git") if names else None
 
 
 def listed_files(*patterns: str) -> list[str]:
@@ -62,10 +61,11 @@ def target_of(page: str, target: str) -> str:
     return os.path.normpath(Path(page).parent / target)
 
 
-def relink(text: str, page: str, pages: Mapping[str, str], address: str) -> str:
+def relink(text: str, page: str, pages: Mapping[str, str], address: str | None) -> str:
     """Turn the links of a page into links to pages of the site, or to files of the repository.
 
-    A link to a file that the clone lacks stays, so that the build ends with a warning about the link.
+    Without an address of the repository, only the text of a link to a file stays. A link to a file that the clone lacks
+    stays, so that the build ends with a warning about the link.
     """
 
     def replaced(found: re.Match[str]) -> str:
@@ -75,6 +75,8 @@ def relink(text: str, page: str, pages: Mapping[str, str], address: str) -> str:
         if path in pages:
             target = f"/{pages[path]}"
         elif (ROOT / path).exists() and not found["start"].startswith("!"):
+            if address is None:
+                return found["start"].removeprefix("[").removesuffix("](")
             target = f"{address}/{'tree' if (ROOT / path).is_dir() else 'blob'}/HEAD/{path}"
         return f"{found['start']}{target}{found['anchor'] or ''})"
 
@@ -105,7 +107,7 @@ def sections() -> dict[str, str]:
     return dict(zip(parts[::2], parts[1::2], strict=True))
 
 
-def collect(source: Path, made: Mapping[str, Mapping[str, str]], address: str) -> None:
+def collect(source: Path, made: Mapping[str, Mapping[str, str]], address: str | None) -> None:
     """Copy all pages and pictures to a folder, with the navigation that docs/README.md lays down.
 
     Parameters
@@ -114,7 +116,7 @@ def collect(source: Path, made: Mapping[str, Mapping[str, str]], address: str) -
         Folder of the site's source.
     made : mapping
         Of each section, the rows of pages made from code: page to what its reader wants to know.
-    address : str
+    address : str or None
         Address of the repository.
     """
     pages, headed, listed = site_pages(), [], {FIRST, NAVIGATION}

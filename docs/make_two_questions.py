@@ -4,33 +4,30 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
-from typing import get_args
 
 from filling import DOCS, fill_page, table
 from matplotlib.figure import Figure as Chart
 
 from turned.leads import KeptLead, KeptLeads, question_sentence, read_kept_leads
-from visuohaptic.evaluation.intervals import holm
-from visuohaptic.evaluation.leads import LEADS, Question
+from visuohaptic.evaluation.leads import LEADS
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report import figures
 from visuohaptic.report.drawing import style
-from visuohaptic.report.estimates import Figure, with_interval
-from visuohaptic.report.leads import Lead
+from visuohaptic.report.estimates import with_interval
+from visuohaptic.report.leads import PLACES, verdict
 from visuohaptic.report.questions import QUESTIONS
-from visuohaptic.report.wording import points, probability, titled
+from visuohaptic.report.wording import points, titled
 
 PICTURES = DOCS / "pictures"
 OF_README = ("sight", "salience")
 """Leads in the picture of README: they add up to the lead of fixations over random places in reach."""
+COLUMNS = ("sight", "seeing", "salience")
+"""Leads in the order of the table."""
 
 
 def blocks(kept: KeptLeads) -> dict[str, str]:
-    """Return the sentences and the tables of the page by name of the block."""
-    found = {"sentences": sentences(kept)}
-    for question in get_args(Question):
-        found[question] = leads_table(kept.of(question))
-    return found
+    """Return the sentences and the table of the page by name of the block."""
+    return {"sentences": sentences(kept), "leads": leads_table(kept)}
 
 
 def sentences(kept: KeptLeads) -> str:
@@ -41,32 +38,24 @@ def sentences(kept: KeptLeads) -> str:
     )
 
 
-def leads_table(leads: tuple[Lead, ...]) -> str:
-    """Return a table with one row per lead; p values are corrected by Holm for the rows of the table."""
-    adjusted = holm([lead.p_value for lead in leads])
-    of_classes = holm([lead.p_value_new_classes for lead in leads])
-    heads = ["condition", "ahead of what", "draws", "lead, new objects", "p, corrected"]
-    heads += ["new classes", "p, corrected"]
-    rows = [
+def leads_table(kept: KeptLeads) -> str:
+    """Return a table with one row per condition; leads that are shown after correction for their question are bold."""
+    answers = [verdict(kept.of(question)) for question in QUESTIONS]
+    shown = {(lead.condition, lead.name) for one in answers for lead in (*one.ahead, *one.behind)}
+    rows: dict[str, dict[str, str]] = {}
+    for lead in kept.leads:
+        words = plain(with_interval(lead.difference, points))
+        bold = f"**{words}**" if (lead.condition, lead.name) in shown else words
+        rows.setdefault(lead.condition, {"draws": str(lead.draws)})[lead.name] = bold
+    heads = ["condition", "draws"]
+    heads += [" minus ".join(PLACES[strategy] for strategy in LEADS[name]) for name in COLUMNS]
+    return table(
+        heads,
         [
-            titled(lead.condition),
-            " minus ".join(lead.places),
-            lead.draws,
-            plain(with_interval(lead.difference, points)),
-            probability(p),
-            ends(figures.of_new_classes(lead.difference)),
-            probability(p_of_classes),
-        ]
-        for lead, p, p_of_classes in zip(leads, adjusted, of_classes, strict=True)
-    ]
-    return table(heads, rows)
-
-
-def ends(figure: Figure) -> str:
-    """Return the ends of an interval in percentage points; empty without an interval."""
-    if figure.low is None or figure.high is None:
-        return ""
-    return f"{points(figure.low)} to {points(figure.high)}"
+            [titled(name), *(row.get(one, "") for one in ("draws", *COLUMNS))]
+            for name, row in rows.items()
+        ],
+    )
 
 
 @style()

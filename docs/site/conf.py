@@ -5,7 +5,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from make_site import PLACEHOLDER, SETTINGS, repository_address
+from make_site import SETTINGS, repository_address
 
 import visuohaptic
 
@@ -51,7 +51,7 @@ html_theme_options = {
     "footer_start": ["copyright"],
     "footer_end": [],
 }
-if repository_address() != PLACEHOLDER:
+if repository_address() is not None:
     html_theme_options["icon_links"] = [
         {"name": "Repository", "url": repository_address(), "icon": "fa-solid fa-code-branch"}
     ]

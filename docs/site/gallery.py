@@ -114,28 +114,31 @@ PICTURES: dict[str, tuple[str, Draw]] = {
 }
 
 
-def gallery_page(folder: Path, relative: Mapping[str, str]) -> str:
+def gallery_page(folder: Path, address: str | None) -> str:
     """Draw the pictures into a folder, and return the page that shows them above their code.
 
     Parameters
     ----------
     folder : path
         Where to.
-    relative : mapping
-        Link to the source of each example, by its name.
+    address : str or None
+        Address of the repository, to which the names of the files link.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    parts = ["# Gallery of the examples", ""]
+    parts = ["# Gallery of plug-ins", ""]
     parts += ["Copy the example that is nearest to what you want: [](/docs/extending.md).", ""]
     for path in sorted(
         EXAMPLES.glob("*.py"), key=lambda path: (path.stem not in PICTURES, path.stem)
     ):
         source = path.read_text(encoding="utf-8")
         about = (ast.get_docstring(ast.parse(source)) or "").split("\n\n")[0].replace("\n", " ")
+        task, _, does = about.removeprefix("Example of ").partition(": ")
+        name = f"`examples/{path.name}`"
+        link = name if address is None else f"[{name}]({address}/blob/HEAD/examples/{path.name})"
         parts += [
-            f"## {path.stem}",
+            f"## {task[:1].upper()}{task[1:]}",
             "",
-            f"[`examples/{path.name}`]({relative[path.stem]}). {about}",
+            f"{does[:1].upper()}{does[1:]} ({link})",
             "",
         ]
         if path.stem in PICTURES:

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import ModuleType
 
 from filling import table
-from gallery import EXAMPLES, gallery_page
+from gallery import gallery_page
 from make_params import allowed_texts, first_sentence, with_choices
 from pydantic import BaseModel
 
@@ -21,8 +21,8 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.tables.schemas import SCHEMAS
 
 MADE = {
-    "Run and share": {"report": "see the report of a run"},
-    "Extend": {"gallery": "see what each example does"},
+    "Start": {"report": "see the report of a run"},
+    "Do": {"gallery": "see a plug-in of each kind, with what it does"},
     "Reference": {
         "reference/visuohaptic": "see all public names, with their parameters",
         "reference/contourlets": "see the public names of the contourlet transform",
@@ -37,7 +37,7 @@ BOUNDS = {"ge": "≥", "gt": ">", "le": "≤", "lt": "<"}
 Write = Callable[[str, str], None]
 
 
-def make_pages(write: Write, source: Path, report: Path, address: str) -> None:
+def make_pages(write: Write, source: Path, report: Path, address: str | None) -> None:
     """Write the pages of `MADE`.
 
     Parameters
@@ -48,7 +48,7 @@ def make_pages(write: Write, source: Path, report: Path, address: str) -> None:
         Folder of the site's source.
     report : path
         The report of a run, which need not exist.
-    address : str
+    address : str or None
         Address of the repository.
     """
     # Before the examples register their plug-ins.
@@ -57,10 +57,7 @@ def make_pages(write: Write, source: Path, report: Path, address: str) -> None:
     write("reference/visuohaptic.md", public_names_page())
     for package in (contourlets, meshreaders):
         write(f"reference/{package.__name__}.md", package_page(package))
-    links = {
-        path.stem: f"{address}/blob/HEAD/examples/{path.name}" for path in EXAMPLES.glob("*.py")
-    }
-    write("gallery.md", gallery_page(source / "gallery", links))
+    write("gallery.md", gallery_page(source / "gallery", address))
     write("report.md", report_page(report, source / "extra"))
 
 

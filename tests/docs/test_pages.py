@@ -26,6 +26,7 @@ from recognition.synthetic import features_table
 from report.synthetic import lay_out
 
 from meshreaders.command import make_parser
+from turned.leads import read_kept_leads
 from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.cli.commands import app
 from visuohaptic.evaluation.held_out import summarise_evaluation
@@ -261,6 +262,13 @@ def test_the_page_on_places_out_of_reach_shows_the_figures_that_are_kept(run_scr
         assert f"<!-- {block} -->\n{content}\n<!-- /{block} -->" in made["PAGE"].read_text()
 
 
+def test_the_page_of_the_two_questions_shows_the_kept_leads(run_script):
+    made = run_script("docs/make_two_questions")
+    text = (ROOT / "docs/two_questions.md").read_text()
+    for block, content in made["blocks"](read_kept_leads(IntervalParameters())).items():
+        assert f"<!-- {block} -->\n{content}\n<!-- /{block} -->" in text
+
+
 @pytest.mark.parametrize(
     "study", ["baselines", "cues", "draws", "known_objects", "touch_agents", "turned"]
 )
@@ -316,3 +324,15 @@ def test_links_of_the_pages_lead_somewhere(page):
     for address in re.findall(r"\]\(([^)#]+)[^)]*\)", page.read_text()):
         if "://" not in address:
             assert (page.parent / address).exists(), address
+
+
+def test_the_functions_that_compute_the_experiment_stand_where_the_page_says():
+    text = (ROOT / "docs/architecture.md").read_text()
+    part = text.split("## Where the experiment is computed")[1].split("\n## ")[0]
+    rows = [line.split(" | ") for line in part.splitlines() if line.startswith("| ")][1:]
+    assert len(rows) > 8
+    for _, functions, files in rows:
+        first, *others = re.findall(r"`(\S+\.py)`", files)
+        code = (ROOT / "src/visuohaptic" / first).read_text()
+        assert all((ROOT / "src/visuohaptic" / other).is_file() for other in others)
+        assert all(f"def {name}(" in code for name in re.findall(r"`(\w+)`", functions))

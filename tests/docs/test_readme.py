@@ -68,6 +68,9 @@ def test_the_answers_name_the_accuracies_of_the_tables(accuracies):
     said = " ".join(block("answers").split())
     assert f"right in {accuracies['SVM'][0].split(' (')[0]} of cases" in said
     ours = accuracies["linear discriminant"]
+    short = " ".join(block("short").split())
+    both = (accuracies["SVM"][0].split(" (")[0], ours[-2].split(" (")[0])
+    assert "in {} (the paper's pipeline) to {} (ours) of cases".format(*both) in short
     assert f"`order_free`, in {ours[-2].split(' (')[0]}," in said
     kept = pd.read_parquet(ROOT / "studies/turned/kept_benchmark.parquet")
     of_fixation = kept[

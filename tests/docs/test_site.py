@@ -43,6 +43,12 @@ def test_links_lead_to_pages_of_the_site_or_to_the_repository(site, link, expect
     assert site["relink"](link, "docs/sensor.md", site["site_pages"](), ADDRESS) == expected
 
 
+def test_without_an_address_no_link_leads_to_files_of_the_repository(site):
+    text = "[params.yaml](../params.yaml), [a](tour.md), [b](none.md)"
+    relinked = site["relink"](text, "docs/sensor.md", site["site_pages"](), None)
+    assert relinked == "params.yaml, [a](/docs/tour.md), [b](none.md)"
+
+
 @pytest.mark.parametrize(
     ("link", "expected"),
     [
@@ -72,7 +78,7 @@ def test_the_sections_of_the_index_list_every_page_of_docs_and_studies(site):
 @pytest.mark.parametrize(
     ("urls", "address"),
     [
-        ("", "https://example.org/visuohaptic"),
+        ("", None),
         ('[project.urls]\nHomepage = "https://a.org"\n', "https://a.org"),
         (
             '[project.urls]\nHomepage = "https://a.org"\nRepository = "https://b.org/c.git"\n',
