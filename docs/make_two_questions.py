@@ -90,7 +90,6 @@ def wrapped(text: str) -> str:
 if __name__ == "__main__":
     kept = read_kept_leads(IntervalParameters())
     fill_page(DOCS / "two_questions.md", blocks(kept))
-    fill_page(DOCS.parent / "paper" / "paper.md", {"sentences": sentences(kept)})
     main = [
         lead
         for lead in kept.leads

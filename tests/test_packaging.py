@@ -152,3 +152,16 @@ def test_no_study_of_the_repository_is_imported_by_the_library_and_all_are_type_
     }
     assert studies <= forbidden
     assert studies <= set(PROJECT["tool"]["mypy"]["packages"])
+
+
+def test_one_table_says_what_each_package_is_for():
+    text = (ROOT / "docs/decisions.md").read_text(encoding="utf-8").split("## Packages")[1]
+    rows = [line.split(" | ") for line in text.splitlines() if line.startswith("| ")][1:]
+    assert all(purpose.strip() for _, purpose, *_ in rows)
+    named = {canonicalize_name(name) for cells in rows for name in cells[0].strip("| ").split(", ")}
+    wanted = {
+        canonicalize_name(Requirement(text).name)
+        for texts in (PROJECT["project"]["dependencies"], *EXTRAS.values())
+        for text in texts
+    }
+    assert named == wanted - {"visuohaptic"}

@@ -194,10 +194,6 @@ if __name__ == "__main__":
     for name in kept_files(PAGE.parent):
         fill_page(PAGE, blocks(name, read_kept(name)))
     said = f"**Does a model of gaze help to choose the first touch?** {sentence(read_kept('benchmark'))}"
-    link = " ([first_touch]({}studies/first_touch/README.md))"
-    for page, more in (
-        (DOCS / "two_questions.md", link.format("../")),
-        (DOCS.parent / "paper" / "paper.md", ""),
-    ):
-        text = textwrap.fill(f"{said}{more}.", 100, break_on_hyphens=False)
-        fill_page(page, {"first touch": text})
+    link = " ([first_touch](../studies/first_touch/README.md))"
+    text = textwrap.fill(f"{said}{link}.", 100, break_on_hyphens=False)
+    fill_page(DOCS / "two_questions.md", {"first touch": text})

@@ -118,7 +118,9 @@ def _seeing(found: Verdict) -> str:
     """Return in which poses seeing helps, and the number of comparisons in which places that are seen are ahead."""
     drawn = verdict(found.leads, "classes")
     compared = counted(len(found.leads), "comparison")
-    headline = f"Not shown: in none of {compared} are places that are seen ahead of random places in reach"
+    headline = (
+        f"Not shown: in none of {compared} are places that are seen ahead of random places in reach"
+    )
     if found.ahead:
         poses = [turns for turns in POSES if any(lead.turns == turns for lead in found.ahead)]
         headline = (

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 ROOT = Path(__file__).parents[3]
-PAGES = (ROOT / "docs/two_questions.md", ROOT / "paper/paper.md")
+PAGES = (ROOT / "docs/two_questions.md",)
 
 
 def text_of(page):
