@@ -1,4 +1,4 @@
-"""Fill the tables of the paper's claims, and draw the lead of fixation, from kept figures of study `claims`: `make readme`.
+"""Fill the tables of the paper's claims, and draw what each change makes, from kept figures of study `claims`: `make readme`.
 
 docs/figures/claims_paper.json and claims_benchmark.json are reports/studies/claims.json of the paper's
 twelve objects and of the catalogue's 142: by pipeline, strategy, classifier and condition.
@@ -10,31 +10,27 @@ from collections.abc import Iterable, Mapping
 from itertools import pairwise
 
 from filling import (
-    COLOURS,
     DOCS,
     SETS,
     Figures,
-    accuracy,
     difference,
-    fill_from_figures,
+    fill_page,
     kept_figures,
     points,
     share,
     table,
 )
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure as Chart
+
+from visuohaptic.report import figures
+from visuohaptic.report.drawing import style
+from visuohaptic.report.estimates import Figure, with_interval
+from visuohaptic.report.wording import pipeline_name
 
 PAGE = DOCS / "claims.md"
-PICTURE = DOCS / "pictures" / "lead.png"
+PICTURE = DOCS / "pictures" / "claims.png"
 KEPT = DOCS / "figures" / "claims"
-OPPONENTS = {
-    "random": "random, in reach",
-    "random_visible": "random, among what the eye sees",
-    "random_walk": "random walk over the surface",
-    "random_anywhere": "random, also where no sensor can come",
-}
-STRATEGIES = {"fixation": "eye fixations", **OPPONENTS}
-CUES = {"as run": "skin and pose", "skin alone": "skin alone", "pose alone": "pose alone"}
+STEPS = ("random_anywhere", "random", "random_visible", "fixation")
 OTHERS = (
     "without the map",
     "order shuffled",
@@ -49,53 +45,50 @@ def pipelines_of(names: Iterable[str]) -> list[str]:
     return sorted(names, key=lambda name: name != "paper")
 
 
-def of_classifier(figures: Figures) -> Figures:
+def of_classifier(measured: Figures) -> Figures:
     """Return the figures of the one classifier with which a study measures a pipeline."""
-    (found,) = figures.values()
+    (found,) = measured.values()
     return found
 
 
-def strategy_table(figures: Figures) -> str:
-    """Set each strategy's accuracy, and the lead of fixation over it, in both pipelines."""
-    ahead = "fixation is ahead by"
-    rows = []
-    for strategy, words in STRATEGIES.items():
-        cells = [of_classifier(figures[name][strategy])["as run"] for name in pipelines_of(figures)]
-        texts = (text for cell in cells for text in (accuracy(cell), lead(cell)))
-        rows.append([words, f"`{strategy}`", *texts])
-    return table(["places of touch", "strategy", "paper's pipeline", ahead, "ours", ahead], rows)
-
-
-def cue_table(sets: Mapping[str, Figures]) -> str:
-    """Set strategy × cue × set: accuracy by fixation, and its lead over each kind of random touches."""
+def leads_table(sets: Mapping[str, Figures]) -> str:
+    """Set the lead of fixation over each kind of random touches by set and pipeline."""
+    opponents = [name for name in STEPS if name != "fixation"]
+    opponents.insert(2, "random_walk")
+    words = ["anywhere", "in reach", "by a walk", "in sight"]
     rows = [
         [
             SETS[name],
-            pipeline,
-            words,
-            accuracy(of_classifier(figures[pipeline]["fixation"])[cue]),
-            *(lead(of_classifier(figures[pipeline][one])[cue]) for one in OPPONENTS),
+            pipeline_name(pipeline),
+            share(of_classifier(found[pipeline]["fixation"])["as run"]["accuracy"]),
+            *(
+                with_interval(lead_of(of_classifier(found[pipeline][one])["as run"]), points)
+                for one in opponents
+            ),
         ]
-        for name, figures in sets.items()
-        for pipeline in pipelines_of(figures)
-        for cue, words in CUES.items()
+        for name, found in sets.items()
+        for pipeline in pipelines_of(found)
     ]
-    ahead = (f"ahead of {words}" for words in OPPONENTS.values())
-    return table(["objects", "pipeline", "known of a touch", "fixation", *ahead], rows)
+    heads = ["objects", "pipeline", "fixation", *(f"minus random {one}" for one in words)]
+    return table(heads, rows).replace("\N{NO-BREAK SPACE}", " ")
+
+
+def lead_of(cell: Figures) -> Figure:
+    """Return the lead of fixation with its interval for new objects."""
+    return Figure(*(cell[name] for name in ("lead", "lead_low", "lead_high")))
 
 
 def share_table(sets: Mapping[str, Figures]) -> str:
     """Set what reach, sight and saliency each add to the lead over random touches anywhere."""
-    order = ("random_anywhere", "random", "random_visible", "fixation")
     heads = ["objects", "pipeline", "anywhere", "and in reach", "and in sight", "and salient"]
     rows = []
-    for name, figures in sets.items():
-        for pipeline in pipelines_of(figures):
-            found = (of_classifier(figures[pipeline][one]) for one in order)
-            reached = [conditions["as run"]["accuracy"] for conditions in found]
+    for name, found in sets.items():
+        for pipeline in pipelines_of(found):
+            conditions = (of_classifier(found[pipeline][one]) for one in STEPS)
+            reached = [one["as run"]["accuracy"] for one in conditions]
             steps = (points(after - before) for before, after in pairwise(reached))
             whole = points(reached[-1] - reached[0])
-            rows.append([SETS[name], pipeline, share(reached[0]), *steps, whole])
+            rows.append([SETS[name], pipeline_name(pipeline), share(reached[0]), *steps, whole])
     return table([*heads, "whole lead"], rows)
 
 
@@ -103,18 +96,13 @@ def change_table(sets: Mapping[str, Figures]) -> str:
     """Set what each other condition changes, by fixation, in pairs over objects."""
     rows = []
     for condition in OTHERS:
-        for name, figures in sets.items():
+        for name, found in sets.items():
             cells = [
-                of_classifier(figures[one]["fixation"])[condition] for one in pipelines_of(figures)
+                of_classifier(found[one]["fixation"])[condition] for one in pipelines_of(found)
             ]
             against = cells[0]["compared_with"] or "as run"
             rows.append([condition, against, SETS[name], *map(change, cells)])
     return table(["condition", "compared with", "objects", "paper's pipeline", "ours"], rows)
-
-
-def lead(cell: Figures) -> str:
-    """Write the lead of fixation with its interval and p value; empty for fixation itself."""
-    return difference(cell, "lead", "lead_low", "lead_high", "lead_p")
 
 
 def change(cell: Figures) -> str:
@@ -122,41 +110,32 @@ def change(cell: Figures) -> str:
     return difference(cell, "difference", "difference_low", "difference_high", "adjusted_p")
 
 
-def draw(sets: Mapping[str, Figures]) -> Figure:
-    """Draw the lead of fixation with its interval: a panel a set and pipeline, a row a cue."""
-    figure = Figure(figsize=(10, 6.4), layout="constrained")
-    axes = figure.subplots(len(sets), 2, sharey=True)
-    for row, (name, figures) in zip(axes, sets.items(), strict=True):
-        for panel, pipeline in zip(row, pipelines_of(figures), strict=True):
-            panel.set_title(f"{SETS[name]}, pipeline {pipeline}")
-            panel.axvline(0, color="#555d66", linewidth=1)
-            for place, strategy in enumerate(OPPONENTS):
-                cells = [of_classifier(figures[pipeline][strategy])[cue] for cue in CUES]
-                leads = [100 * cell["lead"] for cell in cells]
-                ends = [
-                    [abs(100 * cell[end] - one) for cell, one in zip(cells, leads, strict=True)]
-                    for end in ("lead_low", "lead_high")
-                ]
-                rows = [number + 0.16 * (1.5 - place) for number in range(len(CUES))]
-                style = {"color": COLOURS[place], "label": OPPONENTS[strategy]}
-                panel.errorbar(leads, rows, xerr=ends, fmt="osDX"[place], **style)
-    axes[0, 0].set_yticks(range(len(CUES)), CUES.values())
-    for panel in axes[-1]:
-        panel.set_xlabel("lead of fixation, percentage points")
-    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=2)
-    return figure
+@style()
+def draw(found: Figures) -> Chart:
+    """Draw what each condition changes on one set of objects, a row per condition and a mark per pipeline."""
+    series = []
+    for place, pipeline in enumerate(pipelines_of(found)):
+        cells = [of_classifier(found[pipeline]["fixation"])[one] for one in OTHERS]
+        changes = [
+            Figure(*(cell[name] for name in ("difference", "difference_low", "difference_high")))
+            for cell in cells
+        ]
+        series.append(figures.Series(pipeline_name(pipeline), place, changes))
+    chart = figures.draw_leads(OTHERS, "condition", series)
+    chart.axes[0].set_xlabel("change of accuracy, percentage points")
+    return chart
 
 
-def blocks(found: Mapping[str, Figures]) -> dict[str, str]:
-    """Give the tables of the page, by the names of their blocks."""
+def blocks(sets: Mapping[str, Figures]) -> dict[str, str]:
+    """Return the tables of the page by name of the block."""
     return {
-        "strategies": strategy_table(found["paper"]),
-        "benchmark": strategy_table(found["benchmark"]),
-        "cues": cue_table(found),
-        "shares": share_table(found),
-        "changes": change_table(found),
+        "leads": leads_table(sets),
+        "shares": share_table(sets),
+        "changes": change_table(sets),
     }
 
 
 if __name__ == "__main__":
-    fill_from_figures(kept_figures(KEPT), PAGE, blocks, PICTURE, draw)
+    kept = kept_figures(KEPT)
+    fill_page(PAGE, blocks(kept))
+    draw(kept["benchmark"]).savefig(PICTURE, dpi=150, facecolor="white")

@@ -9,6 +9,7 @@ from typing import Any
 from filling import (
     COLOURS,
     SETS,
+    STRATEGIES,
     Figures,
     accuracy,
     difference,
@@ -17,7 +18,6 @@ from filling import (
     measured,
     table,
 )
-from make_claims import STRATEGIES
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 

@@ -33,7 +33,7 @@ def site(monkeypatch):
         ("[a](../packages/contourlets)", "[a](/packages/contourlets/index.md)"),
         ("[a](../params.yaml)", f"[a]({ADDRESS}/blob/HEAD/params.yaml)"),
         ("[a](../src)", f"[a]({ADDRESS}/tree/HEAD/src)"),
-        ("![a](pictures/lead.png)", "![a](pictures/lead.png)"),
+        ("![a](pictures/leads.png)", "![a](pictures/leads.png)"),
         ("[a](none.md)", "[a](none.md)"),
         ("[a](https://example.org/b.md)", "[a](https://example.org/b.md)"),
         ("[a](#here)", "[a](#here)"),
