@@ -70,7 +70,7 @@ class Recorder:
         text = "\n\n".join(
             ["# Hard cases of the code", *(textwrap.fill(one, 100) for one in paragraphs)]
         )
-        page.write_text(f"{text}\n\n{table_of(results)}\n")
+        page.write_text(f"{text}\n\n{table_of(results)}\n\n{without_error(results)}\n")
 
 
 def in_words(name):
@@ -86,13 +86,29 @@ def in_a_sentence(result):
     )
 
 
+def without_error(results):
+    """List the requirements without any error by family, with their cases."""
+    exact = {}
+    for result in results:
+        if result.worst_error == 0:
+            family, name = result.name.split("/", 1)
+            exact.setdefault(family, []).append(f"{name} ({result.cases:,})")
+    items = [
+        textwrap.fill(f"- **{family}:** {'; '.join(names)}", 100, subsequent_indent="  ")
+        for family, names in exact.items()
+    ]
+    return "\n".join(["Without any error, with the number of cases:", "", *items])
+
+
 def table_of(results):
-    """Write a row per requirement."""
+    """Write a row per requirement with an error."""
     lines = [
         "| requirement | cases | worst error | tolerance | share | unit |",
         "|---|---|---|---|---|---|",
     ]
     for result in results:
+        if result.worst_error == 0:
+            continue
         cells = (
             in_words(result.name), f"{result.cases:,}", f"{result.worst_error:.2g}",
             f"{result.tolerance.bound:.2g}", share_of(result), result.tolerance.unit,
@@ -103,7 +119,5 @@ def table_of(results):
 
 def share_of(result):
     """Write the worst error as a share of its tolerance."""
-    if result.worst_error == 0:
-        return "0 %"
     allowed = result.tolerance.bound
     return f"{100 * result.worst_error / allowed:.3g} %" if allowed else "exceeded"

@@ -23,6 +23,7 @@ def test_the_page_names_what_is_exceeded_and_the_report_reads_its_totals(tmp_pat
     page = (tmp_path / "found.md").read_text()
     assert "1,004 cases of 3 kinds. " in page.replace("\n", " ")
     assert "| rays, grazing | 2 | 1e-16 | 1.8e-15 | 5.63 % | object radii |" in page
+    assert "- **determinism:** kill -9 and restart (1,000)" in page
     assert "0.1 of the map's maximum, 0.05 is allowed (case 1)." in page.replace("\n", " ")
     said = describe_hard_cases(read_hard_cases(tmp_path / "figures/found.json"))
     assert "1,004 hard cases of 3 kinds" in said
