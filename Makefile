@@ -171,6 +171,7 @@ readme: $(DEVELOP) report
 	python docs/make_short_pages.py
 	python docs/make_objects_picture.py
 	python docs/make_pads.py
+	python docs/make_drawings.py
 	python docs/make_overview_picture.py
 
 # The documentation as a site, in build/site; a warning is an error, such as a link that leads nowhere.
