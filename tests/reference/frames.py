@@ -1,4 +1,4 @@
-"""Descriptors of poses for frames that know less than the whole pose, from `docs/recognition.md`, with loops."""
+"""Descriptors of poses for frames that know less than the whole pose, as `docs/recognition.md` lists them, with loops."""
 
 import itertools
 import math

@@ -1,7 +1,7 @@
 """Recognition once more, plainly: splits, the paper's map, the statistics of a sequence, classifiers, predictions.
 
-Written from the paper, `docs/recognition.md` and the cited sources. Nothing of the product is imported. A sequence is an
-array (t, k): t touches in order, k features each.
+Written from the paper, `docs/recognition.md` and the cited sources; rules that the page leaves out stand here. Nothing
+of the product is imported. A sequence is an array (t, k): t touches in order, k features each.
 """
 
 from __future__ import annotations
