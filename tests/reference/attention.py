@@ -1,4 +1,4 @@
-"""The saliency map of one square view, from the sentences of docs/attention.md and the papers that it cites.
+"""The saliency map of one square view, from docs/attention.md and the papers that it cites; each step in numbers.
 
 All arrays are float64. A linear step along the rows or columns of an image is a matrix, so that each step can be read
 as the weights of its sum. `both(matrix, image)` takes the step along rows and columns.

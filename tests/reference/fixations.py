@@ -1,4 +1,4 @@
-"""The fixations on a saliency map, from docs/attention.md, "Scanpath" and "The object's outline".
+"""The fixations on a saliency map, from docs/attention.md, "Scanpath" and "The object's outline", in numbers.
 
 All arrays are float64. Winner-take-all with inhibition of return after Itti, Koch & Niebur 1998.
 """

@@ -1,4 +1,4 @@
-"""The saliency maps of the product against the sentences of docs/attention.md, step by step.
+"""The saliency maps of the product against tests/reference/attention.py, step by step.
 
 Each step of the reference gets the product's inputs of that step, so that one difference fails one test.
 """

@@ -1,7 +1,7 @@
 """A view by brute force: every ray is tried against every triangle.
 
-Written from docs/method.md, docs/attention.md, docs/stability.md and the cited papers. Lengths are in object
-radii, all arrays are float64.
+Written from docs/method.md, docs/attention.md, docs/stability.md and the cited papers; rules that the pages leave out
+stand here. Lengths are in object radii, all arrays are float64.
 """
 
 from dataclasses import dataclass
