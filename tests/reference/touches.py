@@ -16,10 +16,8 @@ CLEARANCE = 0.1  # greatest height from which rays start below an obstacle (docs
 LEAST_RELIEF = (
     0.0001  # relief that is stretched to the whole range of an image (docs/sensor.md, Range)
 )
-STAND_OFF = 1e-5  # distance from the surface at which rays that look for the outside begin (docs/sensor.md, Frame)
-STAND_CLEAR = (
-    1e-9  # share of itself by which a square is smaller than its bound (docs/sensor.md, Size)
-)
+STAND_OFF = 1e-5  # distance from the surface at which rays that look for the outside begin
+STAND_CLEAR = 1e-9  # share of itself by which a square is smaller than its bound
 PERIMETER_RAYS = 128  # rays that look for the largest admissible square (docs/sensor.md, Size)
 PASSED_OVER = 16  # most places out of reach per sequence (docs/probing.md, Places out of reach)
 
@@ -144,7 +142,7 @@ def square_of_heights(place, normal, columns, rows, size, resolution, triangles,
     return heights
 
 
-# Outside of a surface (docs/sensor.md, Frame) -----------------------------------------------------------
+# Outside of a surface (docs/sensor.md, Frame, in numbers) -----------------------------------------------------------
 
 
 def outward_normal(place, face, vertices, faces):
