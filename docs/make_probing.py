@@ -12,7 +12,17 @@ from collections.abc import Iterator, Mapping
 
 import pyarrow as pa
 import pyarrow.compute as pc
-from filling import DOCS, SETS, Figures, accuracy, difference, fill_page, kept_figures, share, table
+from filling import (
+    DOCS,
+    SETS,
+    Figures,
+    difference,
+    fill_page,
+    kept_figures,
+    points,
+    share,
+    table,
+)
 
 from visuohaptic.evaluation.intervals import holm
 from visuohaptic.evaluation.own_fixations import count_own_fixations
@@ -28,14 +38,13 @@ FIXATIONS = 5
 
 
 def shares_table(ranks: pa.Table) -> str:
-    """Set the four shares of views and touches that are not at the eye's first five fixations, by set."""
+    """Set the shares of views and touches that are not at the eye's first five fixations, by set."""
     found = []
     for name in SETS:
         of_set = ranks.filter(pc.equal(ranks.column("set"), name))
         found.append(count_own_fixations(of_set, of_set, FIXATIONS))
     counted = {
         "views touched at exactly their first five fixations, in order": "views_as_fixated",
-        "views with a touch at none of their first five fixations": "views_replaced",
         "touches that are not at the fixation of the same number": "touches_out_of_turn",
         "touches at none of the view's first five fixations": "touches_elsewhere",
     }
@@ -46,7 +55,7 @@ def shares_table(ranks: pa.Table) -> str:
 
 
 def accuracies_table(sets: Mapping[str, Figures]) -> str:
-    """Set the accuracies by fixation and by random places in sight, and the lead, by set and treatment."""
+    """Set the accuracy by fixation and its lead over random places in sight, by set and treatment."""
     rows = []
     for name, kept in sets.items():
         for treatment, condition in CONDITIONS.items():
@@ -56,10 +65,10 @@ def accuracies_table(sets: Mapping[str, Figures]) -> str:
                     _cell(kept, pipeline, strategy, condition) for strategy in STRATEGIES
                 )
                 lead = difference(random, "lead", "lead_low", "lead_high", "lead_p")
-                cells += [accuracy(fixation), accuracy(random), lead]
+                cells += [share(fixation["accuracy"]), lead]
             rows.append([SETS[name], f"`{treatment}`", *cells])
-    heads = ["paper's pipeline: fixation", "random in sight", "fixation ahead by"]
-    heads += ["ours: fixation", "random in sight", "fixation ahead by"]
+    heads = ["paper's pipeline: fixation", "ahead of random in sight by"]
+    heads += ["ours: fixation", "ahead of random in sight by"]
     return table(["objects", "out of reach", *heads], rows)
 
 
@@ -68,8 +77,7 @@ def changes_sentence(sets: Mapping[str, Figures]) -> str:
     changes = list(_changes(sets))
     adjusted = holm([cell["p_value"] for *_, cell in changes])
     clear = [
-        f"{SETS[name]}, pipeline `{pipeline}`, `{strategy}`, `{condition}`: "
-        f"{difference({**cell, 'holm': p_value}, 'difference', 'difference_low', 'difference_high', 'holm')}"
+        f"{SETS[name]}, `{pipeline}`, `{strategy}`, `{condition}`: {points(cell['difference'])}"
         for (name, pipeline, strategy, condition, cell), p_value in zip(
             changes, adjusted, strict=True
         )
@@ -86,7 +94,7 @@ def changes_sentence(sets: Mapping[str, Figures]) -> str:
         for strategy, views in kept["views"].items()
         if views["skip"] < views["as run"]
     ]
-    text += f" With `skip`, views without a place in reach are left out: {', '.join(left_out) or 'none'}."
+    text += f" `skip` leaves out views without a place in reach: {', '.join(left_out) or 'none'}."
     measured = {f"{kept['date']}, commit {kept['commit']}" for kept in sets.values()}
     text += f" Measured on {' and '.join(sorted(measured))}."
     return textwrap.fill(text, 100, break_on_hyphens=False, break_long_words=False)
