@@ -30,6 +30,7 @@ from turned.leads import read_kept_leads
 from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.cli.commands import app
 from visuohaptic.evaluation.held_out import summarise_evaluation
+from visuohaptic.fixations.probing import PLANNED
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.phases import OF_OBJECT, PHASES, Phase
 from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
@@ -186,7 +187,7 @@ def finished(tmp_path_factory):
 def test_python_of_the_pages_runs(page, finished, monkeypatch):
     monkeypatch.chdir(finished)
     # What a page registers is forgotten after it.
-    for registry in (STRATEGIES, LEARNING_POLICIES):
+    for registry in (PLANNED, STRATEGIES, LEARNING_POLICIES):
         for held in ("_entries", "_sources"):
             monkeypatch.setattr(registry, held, dict(getattr(registry, held)))
     table = features_table(objects=(2, 2), viewpoints=2)
