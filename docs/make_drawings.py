@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import gymnasium
 import matplotlib.pyplot as plt
 import numpy as np
 import pyarrow.compute as pc
@@ -382,6 +383,56 @@ def draw_policy() -> Figure:
     return figure
 
 
+# The environment -------------------------------------------------------------------------------------------------
+
+
+def draw_environment() -> Figure:
+    """Draw what an agent of `visuohaptic/Touch-v0` observes after three random touches."""
+    import visuohaptic.environment  # noqa: F401 - registers the name
+
+    rows = gymnasium.make_vec("visuohaptic/Touch-v0", num_envs=1, touches=5)
+    seen, told = rows.reset(seed=3)
+    generator, tried = np.random.default_rng(0), []
+    for _ in range(3):
+        place = generator.choice(np.flatnonzero(seen["valid"][0, :-1]))
+        tried.append(place)
+        action = {"action": np.array([place]), "prediction": np.zeros((1, 4))}
+        seen, *_ = rows.step(action)
+    view, saliency, places = seen["view"][0], seen["saliency"][0, ..., 0], seen["places"][0]
+    camera = place_cameras(PARAMETERS.viewpoints)[int(told["viewpoint"][0])]
+    spots = camera.project(places[:, :3].astype(np.float64), len(view))
+    mask = (view != view[0, 0]).any(axis=-1)
+    rows_cut, columns_cut = window([mask], 10)
+    spots = spots - [columns_cut.start, rows_cut.start]
+    valid = seen["valid"][0, :-1] == 1
+    figure, axes = plt.subplots(1, 3, figsize=(WIDTH, 2.5), layout="constrained")
+    shown = np.where(mask[..., None], 0.65 * 255 + 0.35 * view, 255).astype(np.uint8)
+    show_image(axes[0], shown[rows_cut, columns_cut], "view, places and valid")
+    axes[0].scatter(*spots[valid].T, s=9, color=BLUE, lw=0, label="valid")
+    axes[0].scatter(
+        *spots[~valid].T, s=9, fc="white", ec=INK, lw=0.7, label="out of reach, or tried"
+    )
+    for index, place in enumerate(tried):
+        number(axes[0], *spots[place], str(index + 1))
+    axes[0].legend(loc="lower center", bbox_to_anchor=(0.5, -0.16), ncols=2, frameon=False, fontsize=7, handletextpad=0.1)  # fmt: skip
+    map_shown = np.ma.masked_where(~mask, saliency)[rows_cut, columns_cut]
+    show_image(axes[1], map_shown, "saliency and fixations", cmap="viridis", vmin=0)
+    right, up = seen["fixations"][0, :5].T
+    half = len(view) / 2
+    marks = np.stack([half * (1 + right) - columns_cut.start, half * (1 - up) - rows_cut.start], 1)
+    for index, mark in enumerate(marks):
+        number(axes[1], *mark, str(index + 1))
+    show_image(axes[2], seen["imprint"][0], "imprint of touch 3", cmap="gray", vmin=0, vmax=1)
+    position = ", ".join(f"{value:.2f}" for value in seen["pose"][0, :3])
+    words = f"size {seen['size'][0]:.2f}, contact {seen['contact'][0]},\npose ({position}, …)"
+    axes[2].set_xlabel(words, size=7)
+    for place in axes[:2]:
+        for spine in place.spines.values():
+            spine.set_visible(False)
+    rows.close()
+    return figure
+
+
 # Recognition -----------------------------------------------------------------------------------------------------
 
 TESTED = ("chair", "sc_plastic_chair", 2)
@@ -701,6 +752,7 @@ DRAWINGS: dict[str, Callable[[], Figure]] = {
     "effects": draw_effects,
     "strategies": draw_strategies,
     "policy": draw_policy,
+    "environment": draw_environment,
     "recognition": draw_recognition,
     "certainty": draw_certainty,
     "intervals": draw_intervals,

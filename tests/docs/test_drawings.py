@@ -31,6 +31,7 @@ def script():
         "effects",
         "strategies",
         "policy",
+        "environment",
         "recognition",
         "certainty",
         "intervals",
