@@ -22,9 +22,7 @@ HALF = [0.6300, -0.1930, 0.0972, -0.0526, 0.0272, -0.0144]
 BETA = [*HALF[::-1], *HALF]
 
 CONTACT = 0.98  # least value of a sensing point in contact (docs/sensor.md, Statistics of an image)
-LEAST_DEVIATION = (
-    1e-9  # an image that varies less has skewness 0 (docs/sensor.md, Statistics of an image)
-)
+LEAST_DEVIATION = 1e-9  # an image that varies less has skewness 0
 
 
 # Laplacian pyramid (Do and Vetterli 2005, section II.B) -------------------------------------------------
