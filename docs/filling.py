@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import json
 import re
+import textwrap
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from visuohaptic.report.drawing import style
+from visuohaptic.report.estimates import Figure as Estimate
 from visuohaptic.studies.keeping import read_figures
 
 if TYPE_CHECKING:
@@ -38,7 +41,13 @@ def fill_from_figures(
 ) -> None:
     """Fill a page and draw its picture from the figures of each set."""
     fill_page(page, blocks(sets))
-    draw(sets).savefig(picture, dpi=100)
+    save_picture(draw(sets), picture)
+
+
+def save_picture(chart: Figure, path: Path) -> None:
+    """Write a chart as PNG on white, without the version of Matplotlib: the same chart gives the same bytes."""
+    with style():
+        chart.savefig(path, dpi=150, facecolor="white", metadata={"Software": None})
 
 
 def kept_figures(kept: Path) -> dict[str, Figures]:
@@ -72,6 +81,16 @@ def table(heads: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
     return "\n".join([lines[0], "|---" * len(heads) + "|", *lines[1:]])
 
 
+def plain(text: str) -> str:
+    """Return a text with plain spaces."""
+    return text.replace("\N{NO-BREAK SPACE}", " ")
+
+
+def wrapped(text: str, indent: str = "") -> str:
+    """Return a paragraph of lines of at most 100 characters; `indent` begins each line except the first."""
+    return textwrap.fill(text, 100, subsequent_indent=indent, break_on_hyphens=False)
+
+
 def share(value: float, decimals: int = 1) -> str:
     """Write a share in per cent."""
     return f"{100 * value:.{decimals}f} %"
@@ -85,6 +104,13 @@ def points(value: float) -> str:
 def accuracy(cell: Figures) -> str:
     """Write an accuracy with its interval."""
     return f"{share(cell['accuracy'])} ({100 * cell['low']:.1f}–{100 * cell['high']:.1f})"
+
+
+def estimated(figure: Estimate) -> str:
+    """Write a share with its interval, such as ``70.0 % (62.1–77.8)``."""
+    if figure.low is None or figure.high is None:
+        return share(figure.mean)
+    return f"{share(figure.mean)} ({100 * figure.low:.1f}–{100 * figure.high:.1f})"
 
 
 def difference(cell: Figures, *names: str) -> str:

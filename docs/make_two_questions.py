@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Sequence
 
-from filling import DOCS, fill_page, table
+from filling import DOCS, fill_page, plain, save_picture, table, wrapped
 from matplotlib.figure import Figure as Chart
 
 from turned.leads import KeptLead, KeptLeads, question_sentence, read_kept_leads
@@ -77,16 +76,6 @@ def leads_by_class(shown: Sequence[KeptLead]) -> Chart:
     return figures.draw_leads(rows, "class", series)
 
 
-def plain(text: str) -> str:
-    """Return a text with plain spaces."""
-    return text.replace("\N{NO-BREAK SPACE}", " ")
-
-
-def wrapped(text: str) -> str:
-    """Return a paragraph of lines of at most 100 characters."""
-    return textwrap.fill(text, 100, break_on_hyphens=False)
-
-
 if __name__ == "__main__":
     kept = read_kept_leads(IntervalParameters())
     fill_page(DOCS / "two_questions.md", blocks(kept))
@@ -96,7 +85,6 @@ if __name__ == "__main__":
         if lead.known == "full" and lead.pipeline != "literal" and lead.name in OF_README
     ]
     for name, leads in (("leads", main), ("leads_by_frame", kept.leads)):
-        figures.leads(leads).savefig(PICTURES / f"{name}.png", dpi=150, facecolor="white")
+        save_picture(figures.leads(leads), PICTURES / f"{name}.png")
     for leads in kept.by_class():
-        picture = PICTURES / f"leads_by_class_{leads[0].pipeline}.png"
-        leads_by_class(leads).savefig(picture, dpi=150, facecolor="white")
+        save_picture(leads_by_class(leads), PICTURES / f"leads_by_class_{leads[0].pipeline}.png")

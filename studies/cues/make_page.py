@@ -1,101 +1,96 @@
-"""Fill the tables of README.md from the kept accuracies by cue: `make readme` and `make cues`."""
+"""Fill README.md and draw its picture from the kept accuracies by cue: `make readme` and `make cues`."""
 
 from __future__ import annotations
 
-import textwrap
-from collections.abc import Iterator
+from collections.abc import Mapping
 from pathlib import Path
 
-from filling import fill_page, table
+from filling import estimated, fill_page, plain, save_picture, table, wrapped
+from matplotlib.figure import Figure
 
 from cues.kept import MeasuredCues, Setting, kept_cues
-from cues.sentences import carries_sentence, imprints_sentence
-from cues.study import CUES, STRATEGIES, TOUCHES, WAYS, CueName, is_bare
+from cues.sentences import SETTINGS, carries_sentence
+from cues.study import CUES, CueName, is_bare
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.report.estimates import Figure, with_interval
-from visuohaptic.report.leads import KNOWN
-from visuohaptic.report.wording import POSES, percent, points, strategy_name
+from visuohaptic.report.estimates import with_interval
+from visuohaptic.report.figures import Series, draw_intervals
+from visuohaptic.report.wording import points
 
 PAGE = Path(__file__).parent / "README.md"
+PICTURE = PAGE.with_name("cues.png")
 INTERVALS = IntervalParameters()
-HEADLINE = TOUCHES[-1]
+SHOWN: Mapping[str, Setting] = {
+    "the paper's pipeline, pose known, five touches": Setting(
+        "new", "none", "full", 5, "paper", "fixation"
+    ),
+    **SETTINGS,
+}
+"""The settings of the table."""
+DRAWN = {
+    "pipeline order_free, pose known": Setting("new", "none", "full", 5, "order_free", "fixation"),
+    "pipeline order_free, nothing known of the pose": Setting(
+        "new", "none", "none", 5, "order_free", "fixation"
+    ),
+    "the paper's pipeline, pose known": Setting("new", "none", "full", 5, "paper", "fixation"),
+}
+"""The settings of the picture."""
 
 
 def blocks() -> dict[str, str]:
     """Return the generated parts of the page by name of the block."""
-    kept = kept_cues()
-    sentences = [
-        _plain(sentence)
-        for one in kept.values()
-        for sentence in (carries_sentence(one, INTERVALS), imprints_sentence(one, INTERVALS))
+    few, many = kept_cues().values()
+    columns: tuple[CueName, ...] = ("pose", "imprint", "all")
+    heads = ["by eye fixations", *(CUES[name] for name in columns)]
+    heads += [f"imprints add, {one.objects} objects" for one in (many, few)]
+    rows = [
+        [
+            words,
+            *(_share(many, setting, name) for name in columns),
+            *(_gain(one, setting) for one in (many, few)),
+        ]
+        for words, setting in SHOWN.items()
+        if many.has(setting, "all")
     ]
-    heads = ["objects", "pipeline", "touches by", "touches"]
-    frames = ["objects", "pipeline", "objects are", "known of the pose", *heads[2:]]
-    cues = [*CUES.values(), "imprints add", "pose less imprint"]
-    parts: dict[str, list[list[object]]] = {"upright": [], "unknown": [], "known": []}
-    for measured in kept.values():
-        for setting in _settings():
-            if measured.has(setting, "all"):
-                part, names = _place(setting)
-                row = [measured.objects, *names, *_figures(measured, setting)]
-                parts[part].append(row)
     sources = "; ".join(
         f"{one.objects} objects: {one.source.commit[:12]}, {one.source.date}"
-        for one in kept.values()
+        for one in (many, few)
         if one.source
     )
     return {
-        "headline": "\n\n".join(textwrap.fill(one, 100, break_on_hyphens=False) for one in sentences),
-        "upright": table([*heads, *cues], parts["upright"]),
-        "unknown": table([*frames, *cues], parts["unknown"]),
-        "known": table([*heads[:2], "known of the pose", *heads[2:], *cues], parts["known"]),
-        "sources": textwrap.fill(f"Measured once and kept; {sources}.", 100, break_on_hyphens=False),
-    }  # fmt: skip
+        "headline": wrapped(plain(carries_sentence(many, INTERVALS))),
+        "settings": table(heads, rows),
+        "sources": wrapped(f"Measured once and kept; {sources}."),
+    }
 
 
-def _settings() -> Iterator[Setting]:
-    """Yield the settings to show: off the first table, fewer touches than five by fixation only."""
-    for way in WAYS:
-        for pipeline in way.pipelines:
-            for strategy in STRATEGIES:
-                for touches in reversed(TOUCHES):
-                    is_first = (way.tested, way.turns, way.frame) == ("new", "none", "full")
-                    if is_first or touches == HEADLINE or strategy == STRATEGIES[0]:
-                        yield Setting(way.tested, way.turns, way.frame, touches, pipeline, strategy)
+def _share(measured: MeasuredCues, setting: Setting, name: CueName) -> str:
+    if measured.has(setting, name):
+        return estimated(measured.accuracy(setting, name, INTERVALS))
+    return "nothing to tell" if is_bare(setting.frame, setting.touches) else "not measured"
 
 
-def _place(setting: Setting) -> tuple[str, list[object]]:
-    """Return the block of a setting and the cells that name the setting."""
-    last = [strategy_name(setting.strategy), setting.touches]
-    known = KNOWN[setting.frame]
-    if setting.tested == "known":
-        return "known", [setting.pipeline, known, *last]
-    if (setting.turns, setting.frame) == ("none", "full"):
-        return "upright", [setting.pipeline, *last]
-    return "unknown", [setting.pipeline, POSES[setting.turns], known, *last]
+def _gain(measured: MeasuredCues, setting: Setting) -> str:
+    if not measured.has(setting, "all", "pose"):
+        return "all of it" if is_bare(setting.frame, setting.touches) else "not measured"
+    return plain(with_interval(measured.difference(setting, "all", "pose", INTERVALS), points))
 
 
-def _figures(measured: MeasuredCues, setting: Setting) -> Iterator[str]:
-    missing = "nothing to tell" if is_bare(setting.frame, setting.touches) else "not measured"
-    for name in CUES:
-        shown = measured.has(setting, name)
-        yield _share(measured.accuracy(setting, name, INTERVALS)) if shown else missing
-    pairs: tuple[tuple[CueName, CueName], ...] = (("all", "pose"), ("pose", "imprint"))
-    for pair in pairs:
-        if measured.has(setting, *pair):
-            difference = measured.difference(setting, *pair, INTERVALS)
-            yield _plain(with_interval(difference, points))
-        else:
-            yield ""
-
-
-def _share(figure: Figure) -> str:
-    return _plain(with_interval(figure, percent))
-
-
-def _plain(text: str) -> str:
-    return text.replace("\N{NO-BREAK SPACE}", " ")
+def draw(measured: MeasuredCues) -> Figure:
+    """Draw the accuracy by each cue, one mark per pipeline and known part of the pose."""
+    series = [
+        Series(
+            label,
+            place,
+            [
+                measured.accuracy(setting, name, INTERVALS) if measured.has(setting, name) else None
+                for name in CUES
+            ],
+        )
+        for place, (label, setting) in enumerate(DRAWN.items())
+    ]
+    return draw_intervals(list(CUES.values()), "cues of a touch", series)
 
 
 if __name__ == "__main__":
     fill_page(PAGE, blocks())
+    save_picture(draw(list(kept_cues().values())[-1]), PICTURE)

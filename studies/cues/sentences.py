@@ -68,7 +68,7 @@ def imprints_sentence(measured: MeasuredCues, intervals: IntervalParameters) -> 
     """
     found = [
         f"{words}: {_gain(measured, setting, intervals)}"
-        for words, setting in _SETTINGS.items()
+        for words, setting in SETTINGS.items()
         if measured.has(setting, "all")
     ]
     return f"What imprints add to positions and normals in pipeline order_free: {'; '.join(found)} ({_named(measured)})."
@@ -76,7 +76,7 @@ def imprints_sentence(measured: MeasuredCues, intervals: IntervalParameters) -> 
 
 _TWO: tuple[CueName, CueName] = ("pose", "imprint")
 
-_SETTINGS: Mapping[str, Setting] = {
+SETTINGS: Mapping[str, Setting] = {
     "pose known, five touches": Setting("new", "none", "full", 5, "order_free", "fixation"),
     "pose known, one touch": Setting("new", "none", "full", 1, "order_free", "fixation"),
     "nothing known of the pose, five touches": Setting(

@@ -141,3 +141,19 @@ def test_leads_have_a_row_per_condition_and_both_intervals_of_each_lead():
 def test_no_lead_is_nothing_to_draw():
     with pytest.raises(ReportError, match="No lead was measured"):
         figures.leads([])
+
+
+def test_accuracies_by_touches_have_a_line_per_series_and_a_band_where_there_are_intervals():
+    sure = [Estimate(0.2, 0.1, 0.3), Estimate(0.6, 0.5, 0.7)]
+    series = [
+        figures.Series("sure", 0, sure),
+        figures.Series("bare", 1, [None, Estimate(0.4)]),
+    ]
+    drawn = figures.draw_by_touches((1, 5), series)
+    assert marks(drawn, "sure").tolist() == [[1, 0.2], [5, 0.6]]
+    assert marks(drawn, "bare").tolist() == [[5, 0.4]]
+    (axes,) = drawn.axes
+    (band,) = axes.collections
+    corners = {tuple(corner) for path in band.get_paths() for corner in path.vertices}
+    assert corners >= {(1, 0.1), (1, 0.3), (5, 0.5), (5, 0.7)}
+    assert [label.get_text() for label in axes.get_xticklabels()] == ["1", "5"]

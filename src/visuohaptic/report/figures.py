@@ -102,7 +102,7 @@ def comparison(table: PipelineTable) -> Figure:
     ]
     names = [titled(row.name) for row in table.rows]
     chance = 1 / len(table.headline.class_accuracy[table.leading])
-    return _draw_intervals(names, "classifier", series, chance=chance)
+    return draw_intervals(names, "classifier", series, chance=chance)
 
 
 @style()
@@ -137,6 +137,7 @@ def _lead_names(shown: Sequence[Lead]) -> list[LeadName]:
     return [name for name in LEADS if any(lead.name == name for lead in shown)]
 
 
+@style()
 def draw_leads(rows: Sequence[str], rows_are: str, series: Sequence[Series]) -> Figure:
     """Draw one row per name with mark and intervals of each series, in percentage points."""
     if not series:
@@ -168,7 +169,7 @@ def conditions(table: Rows, chance: float | None = None) -> Figure:
     series = _by_strategy(
         {name: [accuracy.get((name, condition)) for condition in words] for name in strategies}
     )
-    return _draw_intervals(list(words.values()), "condition", series, chance=chance)
+    return draw_intervals(list(words.values()), "condition", series, chance=chance)
 
 
 @style()
@@ -321,14 +322,19 @@ def _by_strategy(estimates: Mapping[str, Sequence[Estimate | None]]) -> list[Ser
     ]
 
 
-def _draw_intervals(
+@style()
+def draw_intervals(
     names: Sequence[str],
     rows_are: str,
     series: Sequence[Series],
     *,
     chance: float | None = None,
 ) -> Figure:
-    """Draw one row per name, with mark and interval of each series; `rows_are` names the axis, as ``classifier``."""
+    """Draw accuracies with one row per name, and with mark and interval of each series.
+
+    `rows_are` names the axis of the rows, such as ``classifier``. A dashed line marks `chance`, the share of correct
+    guesses. Raises `ReportError` without an estimate.
+    """
     estimates = [estimate for row in series for estimate in row.estimates if estimate is not None]
     if not estimates:
         raise ReportError("Nothing was measured, so there is nothing to draw.")
@@ -371,6 +377,33 @@ def draw_lines(lines: Mapping[str, Any], height: float, *more: str) -> tuple[Fig
         name = strategy_name(strategy)
         axes.plot(*values, color=colour, marker=mark, markersize=4, label=name)
     return chart, axes
+
+
+@style()
+def draw_by_touches(touches: Sequence[int], series: Sequence[Series]) -> Figure:
+    """Draw accuracies against the number of touches, one line per series with its intervals as a band.
+
+    The estimates of a series belong to the numbers of `touches`, in their order.
+    """
+    chart, axes = new_chart(_AROUND + 200 + _LEGEND_LINE * len(series))
+    for one in series:
+        colour, mark = look(one.place)
+        found = [
+            (number, estimate)
+            for number, estimate in zip(touches, one.estimates, strict=True)
+            if estimate is not None
+        ]
+        numbers = [number for number, _ in found]
+        means = [estimate.mean for _, estimate in found]
+        axes.plot(numbers, means, color=colour, marker=mark, markersize=4.5, label=one.label)
+        if all(estimate.low is not None for _, estimate in found):
+            ends = ([getattr(estimate, end) for _, estimate in found] for end in ("low", "high"))
+            axes.fill_between(numbers, *ends, color=colour, alpha=0.12, linewidth=0)
+    axes.set_xscale("log")
+    axes.set_xticks(touches, [str(number) for number in touches])
+    axes.set_xticks([], minor=True)
+    axes.set_ylim(0, 1.01)
+    return label_axes(chart, "touches", "correctly classified", yformat=whole_percent, columns=1)
 
 
 def _draw_series(axes: Axes, series: Series, offset: float) -> None:
