@@ -1,15 +1,13 @@
-"""Fill the tables of README.md from the kept tables: `make readme` and `make first_touch`."""
+"""Fill README.md and draw its picture from the kept tables: `make readme` and `make first_touch`."""
 
 from __future__ import annotations
 
-import textwrap
-from collections.abc import Sequence
-from itertools import product
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from filling import DOCS, fill_page, points, share, table
+from filling import DOCS, fill_page, points, save_picture, share, table, wrapped
+from matplotlib.figure import Figure
 
 from first_touch.study import FRAMES, RULES, TOUCHES
 from first_touch.summary import LABELS, Place, accuracies, lead, read_kept
@@ -17,99 +15,133 @@ from visuohaptic.attention.registry import CHANNELS
 from visuohaptic.evaluation.intervals import PairedComparison, holm
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.estimates import estimate, with_interval
+from visuohaptic.report.figures import Series, draw_leads
 from visuohaptic.report.leads import KNOWN
-from visuohaptic.report.wording import POSES, probability
-from visuohaptic.studies.keeping import kept_files
 
 PAGE = Path(__file__).parent / "README.md"
-SETS = {"benchmark": TOUCHES, "paper": (1, 2)}
-"""Sets of objects with tables on the page, and the numbers of touches in the table of leads."""
+PICTURE = PAGE.with_name("first_touch.png")
+SETS = ("benchmark", "paper")
+DRAWN = (
+    *("human", "highest", "nearest", "central", "fixation", "curvature"),
+    *("gaze_channels", "gaze_view", "gaze_place", "gaze_shape"),
+)
+"""Ways to choose the first touch in the picture."""
+SHOWN = (1, 2, 5)
+"""Numbers of touches in the table of leads; p values are corrected for all `TOUCHES`."""
 RIVALS = ("random_visible", *RULES)
 """Opponents of strategy `human`."""
 
+PIPELINES = {"order_free": "our pipeline", "paper": "the paper's pipeline"}
 INTERVALS = IntervalParameters()
 LEVEL = 0.05
 """A lead is shown if its p value, corrected by Holm where several leads are compared, is below this level."""
 
 
-def blocks(name: str, rows: pd.DataFrame) -> dict[str, str]:
-    """Return the tables of a set of objects by name of the block."""
+def blocks() -> dict[str, str]:
+    """Return the generated parts of the page by name of the block."""
+    many, few = (read_kept(name) for name in SETS)
     return {
-        f"sentence {name}": textwrap.fill(f"{sentence(rows)}.", 100, break_on_hyphens=False),
-        f"accuracies {name}": accuracy_table(rows),
-        f"leads {name}": lead_table(rows, SETS[name]),
-        f"parts {name}": part_table(rows),
+        "sentence benchmark": wrapped(f"{sentence(many)}."),
+        "parts": wrapped(part_sentence(many)),
+        "leads": lead_table(many),
+        "few": wrapped(few_sentence(few)),
     }
 
 
-def accuracy_table(rows: pd.DataFrame) -> str:
-    """Return the accuracies on upright objects with a known pose by strategy, pipeline and number of touches."""
-    settings = [Place(pipeline, touches) for pipeline in PIPELINES for touches in TOUCHES]
-    heads = ["places of touch"]
-    heads += [f"{PIPELINES[one.pipeline]}, {counted(one.touches)}" for one in settings]
-    lines = [
-        [
-            label,
-            *(
-                share(accuracies(rows, strategy, one).mean) if measured(rows, strategy, one) else ""
-                for one in settings
-            ),
-        ]
-        for strategy, label in LABELS.items()
-    ]
-    return table(heads, lines)
-
-
-def lead_table(rows: pd.DataFrame, numbers_of_touches: Sequence[int]) -> str:
-    """Return the lead of strategy `human` over each rival by measured setting; p values are corrected for the whole table."""
+def human_leads(rows: pd.DataFrame) -> dict[tuple[Place, str], PairedComparison]:
+    """Compute the lead of strategy `human` over each rival, by measured setting."""
     settings = [
         Place(pipeline, touches, turns, known)
         for turns, frames in FRAMES.items()
         for known in frames
         for pipeline in (PIPELINES if known == "full" else ("order_free",))
-        for touches in numbers_of_touches
+        for touches in TOUCHES
     ]
-    settings = [one for one in settings if measured(rows, "human", one)]
-    cells = list(product(settings, RIVALS))
-    found = [lead(rows, "human", rival, setting, INTERVALS) for setting, rival in cells]
-    written = dict(zip(cells, in_words(found), strict=True))
-    heads = ["pipeline", "objects are", "known of the pose", "touches"]
-    heads += [f"human minus {LABELS[rival]}" for rival in RIVALS]
+    return {
+        (one, rival): lead(rows, "human", rival, one, INTERVALS)
+        for one in settings
+        if measured(rows, "human", one)
+        for rival in RIVALS
+    }
+
+
+def lead_table(rows: pd.DataFrame) -> str:
+    """Return the leads of strategy `human`, one row per setting; p values are corrected for the whole table."""
+    leads = human_leads(rows)
+    written = dict(zip(leads, in_words(list(leads.values())), strict=True))
+    heads = ["pipeline", "known of the pose", "touches"]
+    heads += [f"minus {LABELS[rival]}" for rival in RIVALS]
     return table(
         heads,
         [
             [
                 PIPELINES[one.pipeline],
-                POSES[one.turns],
                 KNOWN[one.known],
                 one.touches,
                 *(written[one, rival] for rival in RIVALS),
             ]
-            for one in settings
+            for one in dict.fromkeys(one for one, _ in leads)
+            if one.touches in SHOWN
         ],
     )
 
 
-def part_table(rows: pd.DataFrame) -> str:
-    """Return the lead over random places in sight at the first touch, of each strategy and of each single channel."""
+def few_sentence(rows: pd.DataFrame) -> str:
+    """Return the lead over random places in sight on few objects, and how many leads in any pose stand."""
+    one, two = (lead(rows, "human", "random_visible", Place(touches=n), INTERVALS) for n in (1, 2))
+    leads = human_leads(rows).values()
+    stand = sum(p < LEVEL for p in holm([found.p_value for found in leads]))
+    return (
+        f"On the paper's {one.objects} objects the lead over random places in sight is {_both(one)} with one touch and "
+        f"{_both(two)} with two. In all poses, upright and turned, {stand} of {len(leads)} leads of strategy `human` over "
+        f"the four rivals of the table stand after Holm's correction."
+    )
+
+
+def first_touch_leads(rows: pd.DataFrame) -> dict[tuple[str, str], PairedComparison]:
+    """Compute the lead over random places in sight at the first touch, by pipeline and way to choose the place."""
     looks = [(label, strategy, "default") for strategy, label in LABELS.items()]
     looks += [(f"fixations by channel {name} only", "fixation", name) for name in CHANNELS]
-    cells = [
-        (label, strategy, Place(pipeline, looking=looking))
+    return {
+        (pipeline, label): _over_sight(rows, strategy, Place(pipeline, looking=looking))
         for label, strategy, looking in looks
         for pipeline in PIPELINES
         if strategy not in {"random", "random_visible"}
+        and measured(rows, strategy, Place(pipeline, looking=looking))
+    }
+
+
+def part_sentence(rows: pd.DataFrame) -> str:
+    """Return the ways of the picture that are ahead of random places in sight, with p values corrected for all ways."""
+    leads = first_touch_leads(rows)
+    adjusted = dict(zip(leads, holm([one.p_value for one in leads.values()]), strict=True))
+    drawn = {LABELS[name] for name in DRAWN}
+    said = []
+    for pipeline, words in PIPELINES.items():
+        ahead = [
+            label
+            for (name, label), one in leads.items()
+            if name == pipeline
+            and label in drawn
+            and adjusted[name, label] < LEVEL
+            and one.difference.mean > 0
+        ]
+        said.append(f"in {words} {', '.join(ahead)}")
+    return (
+        f"After Holm's correction for all {len(leads)} leads at the first touch, these ways of the picture are ahead of "
+        f"random places in sight: {'; '.join(said)}."
+    )
+
+
+def draw(rows: pd.DataFrame) -> Figure:
+    """Draw the lead over random places in sight at the first touch, one row per way to choose the place."""
+    leads = first_touch_leads(rows)
+    labels = [LABELS[name] for name in DRAWN]
+    series = [
+        Series(words, place, [estimate(leads[pipeline, label].difference) for label in labels])
+        for place, (pipeline, words) in enumerate(PIPELINES.items())
     ]
-    cells = [cell for cell in cells if measured(rows, *cell[1:])]
-    written = in_words([_over_sight(rows, strategy, setting) for _, strategy, setting in cells])
-    by_label: dict[str, list[str]] = {}
-    for (label, *_), words in zip(cells, written, strict=True):
-        by_label.setdefault(label, []).append(words)
-    heads = [
-        "places of the first touch",
-        *(f"{words}: minus random in sight" for words in PIPELINES.values()),
-    ]
-    return table(heads, [[label, *words] for label, words in by_label.items()])
+    return draw_leads(labels, "place of the first touch", series)
 
 
 def sentence(rows: pd.DataFrame) -> str:
@@ -175,25 +207,17 @@ def _over_sight(rows: pd.DataFrame, strategy: str, setting: Place) -> PairedComp
 
 
 def in_words(found: list[PairedComparison]) -> list[str]:
-    """Return leads with their intervals, in bold if the p value after Holm's correction for all of them is below 0.05."""
+    """Return leads with their intervals, in bold if the p value after Holm's correction for all leads is below 0.05."""
     written = []
     for one, p in zip(found, holm([one.p_value for one in found]), strict=True):
         words = with_interval(estimate(one.difference), points)
-        written.append(f"**{words}**, p {probability(p)}" if p < LEVEL else words)
+        written.append(f"**{words}**" if p < LEVEL else words)
     return written
 
 
-def counted(touches: int) -> str:
-    """Return a number of touches in words."""
-    return f"{touches} touch{'' if touches == 1 else 'es'}"
-
-
-PIPELINES = {"order_free": "ours", "paper": "the paper's pipeline"}
-
 if __name__ == "__main__":
-    for name in kept_files(PAGE.parent):
-        fill_page(PAGE, blocks(name, read_kept(name)))
+    fill_page(PAGE, blocks())
+    save_picture(draw(read_kept("benchmark")), PICTURE)
     said = f"**Does a model of gaze help to choose the first touch?** {sentence(read_kept('benchmark'))}"
     link = " ([first_touch](../studies/first_touch/README.md))"
-    text = textwrap.fill(f"{said}{link}.", 100, break_on_hyphens=False)
-    fill_page(DOCS / "two_questions.md", {"first touch": text})
+    fill_page(DOCS / "two_questions.md", {"first touch": wrapped(f"{said}{link}.")})
