@@ -36,7 +36,6 @@ ANSWERS = {
 BUDGETED = "random_visible"
 """The strategy of the table of budgets."""
 ROWS_OF_BUDGET = {
-    LOOK: "look only",
     TOUCH: "touch only",
     CHECKED: "look, then a fixed number of touches",
     STOPPING: "look, then touch by the rule",
@@ -66,7 +65,7 @@ def budget_table(figures: Figures) -> str:
     rows = {
         (row["answer"], row["budget"]): row
         for row in figures["budgets"]
-        if row["answer"] == LOOK or row["strategy"] == BUDGETED
+        if row["strategy"] == BUDGETED
     }
     lines = [
         [words, *(budget_cell(rows.get((answer, budget))) for budget in budgets)]

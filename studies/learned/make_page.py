@@ -1,15 +1,15 @@
-"""Fill the tables of README.md from the kept tables: `make readme` and `make learned`."""
+"""Fill README.md and draw its picture from the kept tables: `make readme` and `make learned`."""
 
 from __future__ import annotations
 
-import textwrap
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from filling import fill_page, table
+from filling import fill_page, plain, save_picture, share, table, wrapped
+from matplotlib.figure import Figure
 
 from classifier_settings.half import choosing_objects
 from learned.study import FRAMES, PIPELINES, STRATEGIES, TOUCHES
@@ -17,13 +17,15 @@ from visuohaptic.evaluation.intervals import PairedComparison, holm
 from visuohaptic.evaluation.leads import compare_accuracies
 from visuohaptic.evaluation.means_over_draws import ObjectAccuracies
 from visuohaptic.recognition.parameters import Frame, IntervalParameters
-from visuohaptic.report.estimates import both_intervals, lead
+from visuohaptic.report.estimates import estimate, lead, with_interval
+from visuohaptic.report.figures import Series, draw_leads, of_new_classes
 from visuohaptic.report.leads import KNOWN
-from visuohaptic.report.wording import percent, points, strategy_name
-from visuohaptic.studies.keeping import kept_files, read_source
+from visuohaptic.report.wording import points, strategy_name, strategy_place
+from visuohaptic.studies.keeping import kept_file, kept_files, read_source
 
 FOLDER = Path(__file__).parent
 PAGE = FOLDER / "README.md"
+PICTURE = FOLDER / "learned.png"
 INTERVALS = IntervalParameters()
 LEVEL = 0.05
 """A difference is shown if its p value, with Holm's correction for all settings of the set, is below this level."""
@@ -34,27 +36,24 @@ Setting = tuple[Frame, int, str]
 
 def blocks() -> dict[str, str]:
     """Return the generated parts of the page by name of the block."""
-    heads = ["objects", "known of the pose", "touches", "touches by"]
-    compared_lines, lead_lines, sources, sentence = [], [], [], ""
-    for name, path in kept_files(FOLDER).items():
-        source, rows = read_source(path), pd.read_parquet(path)
-        held_out = rows[~rows["object"].isin(choosing_objects())]
-        number = held_out["object"].nunique()
-        gains = Gains.of(held_out)
-        compared_lines += [[number, *line] for line in gains.lines()]
-        lead_lines += [[number, *line] for line in question_lines(held_out)]
-        sources.append(f"{number} objects: {source.commit[:12]}, {source.date}")
-        sentence = gains.sentence(number) if name == "benchmark" else sentence
-    gain = "`learned` minus `order_free`"
-    questions = ["fixation minus random in reach", "fixation minus random in sight"]
+    many, few = (Gains.of(held_out(name)) for name in ("benchmark", "paper"))
+    sources = []
+    for path in kept_files(FOLDER).values():
+        source, objects = read_source(path), pd.read_parquet(path)["object"].nunique()
+        sources.append(f"{objects} objects: {source.commit[:12]}, {source.date}")
+    heads = ["known of the pose", "touches by", "`order_free`", "`learned`"]
     return {
-        "sentence": textwrap.fill(sentence, 100, break_on_hyphens=False),
-        "comparison": table([*heads, "`order_free`", "`learned`", gain], compared_lines),
-        "questions": table([*heads[:3], *questions], lead_lines),
-        "sources": textwrap.fill(
-            f"Measured once and kept; {'; '.join(sources)}.", 100, break_on_hyphens=False
-        ),
+        "sentence": wrapped(f"{many.sentence()} {few.others_sentence()}"),
+        "comparison": table([*heads, "`learned` minus `order_free`"], many.lines()),
+        "questions": wrapped(question_sentence(many.rows)),
+        "sources": wrapped(f"Measured once and kept; {'; '.join(sources)}."),
     }
+
+
+def held_out(name: str) -> pd.DataFrame:
+    """Return the kept rows of objects that chose nothing."""
+    rows = pd.read_parquet(kept_file(FOLDER, name))
+    return rows[~rows["object"].isin(choosing_objects())]
 
 
 @dataclass(frozen=True)
@@ -87,21 +86,26 @@ class Gains:
         stands = [value < LEVEL for value in corrected]
         return cls(rows, compared, dict(zip(compared, stands, strict=True)))
 
+    @property
+    def objects(self) -> int:
+        """The number of objects."""
+        return int(self.rows["object"].nunique())
+
     def lines(self) -> list[list[object]]:
-        """Return the accuracies of both pipelines and their difference, one line per setting."""
+        """Return the accuracies of both pipelines and their difference by the most touches, one line per setting."""
         lines: list[list[object]] = []
         for setting, compared in self.compared.items():
             frame, touches, strategy = setting
-            shares = [
-                _plain(percent(accuracies(self.rows, *setting, pipeline).mean))
-                for pipeline in PIPELINES
-            ]
-            text = in_words(compared)
-            gain = f"**{text}**" if self.stands[setting] else text
-            lines.append([KNOWN[frame], touches, strategy_name(strategy), *shares, gain])
+            if touches == max(TOUCHES):
+                shares = [
+                    share(accuracies(self.rows, *setting, pipeline).mean) for pipeline in PIPELINES
+                ]
+                text = plain(with_interval(estimate(compared.difference), points))
+                gain = f"**{text}**" if self.stands[setting] else text
+                lines.append([KNOWN[frame], strategy_name(strategy), *shares, gain])
         return lines
 
-    def sentence(self, number: int) -> str:
+    def sentence(self) -> str:
         """Return the answer for the largest number of touches."""
         most = max(TOUCHES)
         long = {one: self.compared[one] for one in self.compared if one[1] == most}
@@ -114,31 +118,45 @@ class Gains:
         )
         count = f"{ahead} of {len(long)}"
         return (
-            f"**On {number} objects that chose nothing, `learned` is shown to be ahead of `order_free` in {count} "
+            f"**On {self.objects} objects that chose nothing, `learned` is shown to be ahead of `order_free` in {count} "
             f"settings with five touches, and in {single} of {len(long)} with one touch.** With five touches its gain "
             f"is {points(gains[0])} to {points(gains[-1])} points, by the known part of the pose and the places of touch."
         )
 
+    def others_sentence(self) -> str:
+        """Return the number of differences that stand, in any setting."""
+        return f"On the paper's {self.objects} objects {sum(self.stands.values())} of {len(self.stands)} differences are shown."
 
-def question_lines(rows: pd.DataFrame) -> list[list[object]]:
-    """Return the leads of fixation over random places in pipeline `learned`, one line per frame and number of touches."""
-    lines: list[list[object]] = []
-    for frame, touches in product(reversed(FRAMES), reversed(TOUCHES)):
+
+def question_sentence(rows: pd.DataFrame) -> str:
+    """Return how often fixation is ahead of random places in pipeline `learned`, by uncorrected intervals."""
+    leads = []
+    for frame, touches in product(FRAMES, TOUCHES):
         fixation, *rivals = (
             accuracies(rows, frame, touches, strategy, "learned") for strategy in STRATEGIES
         )
-        lines.append([KNOWN[frame], touches, *(in_words(compare(fixation, one)) for one in rivals)])
-    return lines
+        leads += [compare(fixation, one).difference for one in rivals]
+    ahead, behind = sum(one.low > 0 for one in leads), sum(one.high < 0 for one in leads)
+    return (
+        f"Of {len(leads)} leads of fixation over random places in reach and in sight, by this network, {ahead} have an "
+        f"interval above 0 and {behind} below 0 (95 %, not corrected; one draw of random places; "
+        f"{rows['object'].nunique()} objects)."
+    )
 
 
-def in_words(compared: PairedComparison) -> str:
-    """Return a difference in points with both intervals."""
-    figure = lead(compared)
-    return _plain(f"{points(figure.mean)} {both_intervals(figure, points)}")
-
-
-def _plain(text: str) -> str:
-    return text.replace("\N{NO-BREAK SPACE}", " ")
+def draw(gains: Gains) -> Figure:
+    """Draw `learned` minus `order_free`, one row per known part of the pose and number of touches."""
+    rows = list(product(reversed(TOUCHES), reversed(FRAMES)))
+    series = []
+    for strategy in STRATEGIES:
+        leads = [lead(gains.compared[frame, touches, strategy]) for touches, frame in rows]
+        wider = [of_new_classes(one) for one in leads]
+        series.append(Series(strategy_name(strategy), strategy_place(strategy), leads, None, wider))
+    words = [
+        f"{touches} touch{'es' if touches > 1 else ''}, known: {KNOWN[frame]}"
+        for touches, frame in rows
+    ]
+    return draw_leads(words, "touches and known part of the pose", series)
 
 
 def accuracies(
@@ -165,3 +183,4 @@ def compare(first: ObjectAccuracies, second: ObjectAccuracies) -> PairedComparis
 
 if __name__ == "__main__":
     fill_page(PAGE, blocks())
+    save_picture(draw(Gains.of(held_out("benchmark"))), PICTURE)

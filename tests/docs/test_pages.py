@@ -271,7 +271,11 @@ def test_the_page_of_the_two_questions_shows_the_kept_leads(run_script):
 
 
 @pytest.mark.parametrize(
-    "study", ["baselines", "cues", "draws", "first_touch", "known_objects", "touch_agents", "turned"]
+    "study",
+    [
+        *("baselines", "cues", "draws", "first_touch", "known_objects", "learned"),
+        *("touch_agents", "turned"),
+    ],
 )
 def test_the_page_of_a_study_shows_what_the_study_keeps(study, run_script):
     made = run_script(f"studies/{study}/make_page")
