@@ -88,7 +88,8 @@ def plain(text: str) -> str:
 
 def wrapped(text: str, indent: str = "") -> str:
     """Return a paragraph of lines of at most 100 characters; `indent` begins each line except the first."""
-    return textwrap.fill(text, 100, subsequent_indent=indent, break_on_hyphens=False)
+    joined = text.replace(" %", "\N{NO-BREAK SPACE}%")
+    return plain(textwrap.fill(joined, 100, subsequent_indent=indent, break_on_hyphens=False))
 
 
 def share(value: float, decimals: int = 1) -> str:

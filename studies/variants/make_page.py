@@ -1,24 +1,30 @@
-"""Fill the tables of README.md and of the study's notebook from the kept variants: `make readme`."""
+"""Fill README.md and the study's notebook and draw the picture from the kept variants: `make readme`."""
 
 from __future__ import annotations
 
-import statistics
-import textwrap
-from collections.abc import Callable, Sequence
+import json
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from filling import DOCS, fill_page, points, share, table
+from filling import DOCS, Figures, fill_page, points, save_picture, share, table, wrapped
+from matplotlib.figure import Figure
 
 from draws.kept import read_draws
 from variants.choices import BEST_OF_PAPER, BY_NAME, OPPONENTS
 from variants.design import is_default, is_literal
 from variants.kept import OUTSIDE, PAPER_SET, kept_variants
-from variants.leads import count_after_holm, leads_by_option, strongest_pair, sum_up
+from variants.leads import MAIN_OPPONENT, count_after_holm, leads_by_option, strongest_pair, sum_up
 from variants.verdicts import lead_evidence, of_papers_question, verdict
+from visuohaptic.report.drawing import COLOURS, look, new_chart, style
+from visuohaptic.report.figures import as_points, label_axes, whole_percent
 from visuohaptic.report.wording import percent_points
 from visuohaptic.studies.figures import Row
 
 PAGE = Path(__file__).parent / "README.md"
+PICTURE = PAGE.with_name("variants.png")
+CHOSEN = ("chosen", "chosen_again")
+AGAIN = "27 November 2026"
+"""Day of the code that made the tables of the second choice."""
 NOTEBOOK = DOCS / "notebook" / "2026-11-variants.md"
 OPPONENT_WORDS = {
     "reachable": "in reach, `random`",
@@ -28,47 +34,31 @@ OPPONENT_WORDS = {
 }
 
 
-def spread_table(tables: dict[str, list[Row]]) -> str:
-    """Write the table of the spread of all variants with the SVM: one row per set and kind of random touches."""
+def spread_table(tables: Mapping[str, list[Row]]) -> str:
+    """Write the table of the leads of all variants with the SVM: one row per set and kind of random touches."""
     lines = []
     for option in OPPONENTS:
         word = verdict(lead_evidence(tables, BEST_OF_PAPER, option))
-        for name, rows in tables.items():
+        for rows in tables.values():
             run = of_papers_question(rows, BEST_OF_PAPER, option)
             if not run:
                 continue
-            reached = sorted(row["fixation"] for row in run)
-            spread = (reached[0], statistics.median(reached), reached[-1])
             lead = sum_up(run)
             lines.append(
                 [
-                    f"{max(row['objects'] for row in run)} ({name})",
+                    max(row["objects"] for row in run),
                     OPPONENT_WORDS[option],
                     len(run),
-                    ", ".join(map(share, spread)),
                     _lead(run, is_default),
                     _lead(run, is_literal),
-                    *(lead.ahead, lead.ahead_singly, lead.behind_singly),
-                    "{}, {}".format(*count_after_holm(run)),
                     points(lead.middle),
+                    *(lead.ahead_singly, lead.behind_singly),
+                    "{}, {}".format(*count_after_holm(run)),
                     word,
                 ]
             )
-    heads = [
-        "objects",
-        "random touches",
-        "variants",
-        "fixation: lowest, median, highest",
-        "default",
-    ]
-    heads += [
-        "most literal",
-        "fixation ahead",
-        "p < 0.05 singly",
-        "behind, p < 0.05 singly",
-        "after Holm: ahead, behind",
-        "median lead",
-    ]
+    heads = ["objects", "random touches", "variants", "default", "most literal", "median lead"]
+    heads += ["ahead, p < 0.05 singly", "behind, p < 0.05 singly", "after Holm: ahead, behind"]
     return table([*heads, "verdict"], lines)
 
 
@@ -89,23 +79,55 @@ def options_table(tables: dict[str, list[Row]]) -> str:
     return table(["choice", "option", *(f"median lead, {name}" for name in leads)], rows)
 
 
-def pair_table(tables: dict[str, list[Row]]) -> str:
-    """Write one table per set of the leads by the two choices on which they depend most."""
-    paragraphs = []
+def pair_sentence(tables: Mapping[str, list[Row]]) -> str:
+    """Write how much of the variance of the leads the two choices explain on which they depend most."""
+    said, choices = [], set()
     for name, rows in tables.items():
         pair = strongest_pair(rows)
-        if pair is None:
-            continue
-        labels = [BY_NAME[choice].label.lower() for choice in pair.choices]
-        lines = []
-        for options, lead in pair.leads.items():
-            words = (option.replace("_", " ") for option in options)
-            lines.append([*words, points(lead.middle), f"{lead.ahead} of {lead.cases}"])
-        paragraphs += [
-            f"Set {name}: the two choices explain {share(pair.share, 0)} of the variance of the leads.",
-            table([*labels, "median lead", "fixation ahead"], lines),
-        ]
-    return "\n\n".join(paragraphs)
+        if pair is not None:
+            choices.add(pair.choices)
+            middles = [lead.middle for lead in pair.leads.values()]
+            said.append(
+                f"{share(pair.share, 0)} of the variance of the leads of set {name}, with median leads of their options from "
+                f"{points(min(middles))} to {points(max(middles))} points"
+            )
+    (labels,) = [[BY_NAME[choice].label.lower() for choice in pair] for pair in choices]
+    return (
+        f"Over places in reach and the five classifiers two choices, *{'* and *'.join(labels)}*, explain "
+        f"{', and '.join(said)}."
+    )
+
+
+def draw(tables: Mapping[str, list[Row]]) -> Figure:
+    """Draw the leads of all variants over random places in reach with the SVM, smallest first, one line per set."""
+    with style():
+        chart, axes = new_chart(250)
+        for place, rows in enumerate(tables.values()):
+            run = sorted(
+                of_papers_question(rows, BEST_OF_PAPER, MAIN_OPPONENT), key=lambda row: row["ahead"]
+            )
+            share_below = [(index + 0.5) / len(run) for index in range(len(run))]
+            colour, mark = look(place)
+            leads = [row["ahead"] for row in run]
+            label = f"{max(row['objects'] for row in run)} objects, {len(run)} variants"
+            axes.plot(share_below, leads, color=colour, label=label)
+            low, high = ([row[f"ahead_{end}"] for row in run] for end in ("low", "high"))
+            axes.fill_between(share_below, low, high, color=colour, alpha=0.12, linewidth=0)
+            for index, row in enumerate(run):
+                is_shown = is_default(row), is_literal({**row, "random_probing": "walk"})
+                if any(is_shown):
+                    ground = colour if is_shown[0] else "white"
+                    place_of = share_below[index], row["ahead"]
+                    axes.plot(*place_of, mark, color=colour, mfc=ground, markersize=8)
+        axes.axhline(0, color=COLOURS["ink"], linewidth=1)
+        return label_axes(
+            chart,
+            "share of the variants with a smaller lead",
+            "lead, percentage points",
+            xformat=whole_percent,
+            yformat=as_points,
+            columns=1,
+        )
 
 
 def _lead(rows: Sequence[Row], is_wanted: Callable[[Row], bool]) -> str:
@@ -123,23 +145,50 @@ def draws_sentence() -> str:
     if kept is None:
         return ""
     spread = percent_points(kept.lead.standard_deviation)
-    text = (
+    return (
         f"Each variant has one draw of its random places. In {kept.lead.count} draws of the default on the paper's "
-        f"set (commit {kept.source.commit[:12]}) the lead lies between {points(min(kept.lead.leads))} and "
-        f"{points(max(kept.lead.leads))} points, standard deviation {spread}: the typical change of a lead from one "
-        "draw to another."
+        f"set the lead lies between {points(min(kept.lead.leads))} and {points(max(kept.lead.leads))} points, standard "
+        f"deviation {spread}."
     )
-    return textwrap.fill(text, 100, break_on_hyphens=False)
+
+
+def chosen_sentences() -> str:
+    """Write what the two rules chose, first and when they were applied again."""
+    first, again = (json.loads(PAGE.with_name(f"{name}.json").read_text()) for name in CHOSEN)
+    return (
+        f"Rule 1 took touches that are not scaled: the best of {first['variants']} variants scores {_rule_one(first)}. Rule 2 "
+        f"changed one option, the channels: {_channels(first)}. Applied again to tables of {AGAIN}, rule 1 takes "
+        f"the same variant ({_rule_one(again)}) and rule 2 keeps the eight channels: {_channels(again)}. The default stays, "
+        f"because the rules were to be applied once."
+    )
+
+
+def _rule_one(found: Figures) -> str:
+    best, former = found["best"]["score"], found["former"]
+    return f"{share(best)}, the former default {share(former['score'])}, p {former['p_value']:.1g}"
+
+
+def _channels(found: Figures) -> str:
+    """Write the scores of the channels that the paper names and of eight equal ones."""
+    (channels,) = (one for one in found["options"] if one["choice"] == "channels")
+    named, equal = (share(channels["scores"][name]) for name in ("five_named", "eight_equal"))
+    adjusted = channels["p_values"]["five_named"]
+    return f"the five that the paper names score {named}, eight equal ones {equal}, p {adjusted:.2g} after Holm's correction"
+
+
+def tables_of_sets() -> dict[str, list[Row]]:
+    """Return the kept variants by set of objects."""
+    return {"paper": kept_variants(PAPER_SET).rows, "outside": kept_variants(OUTSIDE).rows}
 
 
 def blocks() -> dict[Path, dict[str, str]]:
-    """Return the tables of each page by name of the block."""
-    tables = {"paper": kept_variants(PAPER_SET).rows, "outside": kept_variants(OUTSIDE).rows}
+    """Return the generated parts of each page by name of the block."""
+    tables = tables_of_sets()
     return {
         PAGE: {
             "spread": spread_table(tables),
-            "draws": draws_sentence(),
-            "pair": pair_table(tables),
+            "pair": wrapped(f"{pair_sentence(tables)} {draws_sentence()}"),
+            "chosen": wrapped(chosen_sentences()),
         },
         NOTEBOOK: {"options": options_table(tables)},
     }
@@ -148,3 +197,4 @@ def blocks() -> dict[Path, dict[str, str]]:
 if __name__ == "__main__":
     for page, tables in blocks().items():
         fill_page(page, tables)
+    save_picture(draw(tables_of_sets()), PICTURE)

@@ -152,7 +152,7 @@ def draw_leads(rows: Sequence[str], rows_are: str, series: Sequence[Series]) -> 
     axes.set_yticks(range(len(labels)), labels)
     axes.set_ylim(len(labels) - 0.5, -0.5)
     axes.grid(visible=False, axis="y")
-    return label_axes(chart, "lead, percentage points", rows_are, xformat=_as_points, columns=1)
+    return label_axes(chart, "lead, percentage points", rows_are, xformat=as_points, columns=1)
 
 
 @style()
@@ -483,7 +483,7 @@ def whole_percent(share: float, _place: float = 0) -> str:
     return percent(share, 0)
 
 
-def _as_points(difference: float, _place: float = 0) -> str:
+def as_points(difference: float, _place: float = 0) -> str:
     """Return a difference of shares in percentage points without decimals; a formatter of ticks."""
     return f"{100 * difference:+.0f}".replace("-", "\N{MINUS SIGN}").replace("+0", "0")
 
