@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import io
 import json
 import re
 import textwrap
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from PIL import Image
 
 from visuohaptic.report.drawing import style
 from visuohaptic.report.estimates import Figure as Estimate
@@ -45,9 +48,15 @@ def fill_from_figures(
 
 
 def save_picture(chart: Figure, path: Path) -> None:
-    """Write a chart as PNG on white, without the version of Matplotlib: the same chart gives the same bytes."""
+    """Write a chart as a PNG of 128 colours on white, without metadata: the same chart gives the same bytes."""
+    drawn = io.BytesIO()
     with style():
-        chart.savefig(path, dpi=150, facecolor="white", metadata={"Software": None})
+        chart.savefig(drawn, format="png", dpi=150)
+    image = Image.open(drawn)
+    ground = Image.new("RGBA", image.size, "white")
+    ground.alpha_composite(image)
+    colours = ground.convert("RGB").quantize(128, dither=Image.Dither.NONE)
+    colours.save(path, optimize=True)
 
 
 def kept_figures(kept: Path) -> dict[str, Figures]:

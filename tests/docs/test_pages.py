@@ -22,6 +22,7 @@ import trimesh
 import typer
 import yaml
 from docs.shell_commands import block_commands, blocks
+from PIL import Image
 from recognition.synthetic import features_table
 from report.synthetic import lay_out
 
@@ -34,7 +35,8 @@ from visuohaptic.fixations.probing import PLANNED
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.phases import OF_OBJECT, PHASES, Phase
 from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
-from visuohaptic.report.estimates import Figure
+from visuohaptic.report import figures
+from visuohaptic.report.estimates import Figure as Estimate
 from visuohaptic.studies.learning_policies import LEARNING_POLICIES
 from visuohaptic.studies.registry import find_studies
 from visuohaptic.tables.schema import read_table
@@ -246,8 +248,8 @@ def test_leads_by_class_are_drawn_in_the_order_of_the_first_lead(run_script):
     from turned.leads import KeptLead
 
     def lead_of(name, **by_class):
-        means = {category: Figure(mean) for category, mean in by_class.items()}
-        lead = (name, "paper", "none", "full", 5, 142, Figure(0.1))
+        means = {category: Estimate(mean) for category, mean in by_class.items()}
+        lead = (name, "paper", "none", "full", 5, 142, Estimate(0.1))
         return KeptLead(*lead, by_class=means)
 
     shown = [lead_of("seeing", cup=-0.2, sofa=0.4, bed=0.1), lead_of("salience", sofa=0.2)]
@@ -344,3 +346,14 @@ def test_the_functions_that_compute_the_experiment_stand_where_the_page_says():
         code = (ROOT / "src/visuohaptic" / first).read_text()
         assert all((ROOT / "src/visuohaptic" / other).is_file() for other in others)
         assert all(f"def {name}(" in code for name in re.findall(r"`(\w+)`", functions))
+
+
+def test_a_chart_is_kept_on_white_and_with_the_same_bytes(run_script, tmp_path):
+    save_picture = run_script("docs/filling")["save_picture"]
+    for name in ("a", "b"):
+        series = [figures.Series("one", 0, [Estimate(0.2, 0.1, 0.3)])]
+        save_picture(figures.draw_intervals(["row"], "rows", series), tmp_path / f"{name}.png")
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+    picture = Image.open(tmp_path / "a.png")
+    assert picture.info.keys() <= {"dpi", "transparency"}
+    assert picture.convert("RGBA").getpixel((0, 0)) == (255, 255, 255, 255)
