@@ -1,86 +1,119 @@
-"""Fill the tables of README.md from the kept figures of this study."""
+"""Fill README.md and draw its picture from the kept figures of this study."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from filling import Figures, difference, figures_of_study, fill_page, measured, share, table
+from filling import (
+    Figures,
+    difference,
+    estimated,
+    figures_of_study,
+    fill_page,
+    measured,
+    save_picture,
+    share,
+    table,
+    wrapped,
+)
+from matplotlib.figure import Figure
+
+from visuohaptic.report.estimates import figure_of
+from visuohaptic.report.figures import Series, draw_by_touches
 
 HERE = Path(__file__).parent
 PAGE = HERE / "README.md"
+PICTURE = HERE / "known_objects.png"
 SETS = {"ycb": "YCB", "paper": "the paper set's"}
 SHOWN = (1, 2, 5, 10, 20)
-"""Numbers of touches of the table."""
+"""Numbers of touches of the picture."""
+IN_TABLE = (1, 10, 20)
+LEADS_AT = (2, 20)
 
 NAMES = {"fixation": "eye fixations", "random": "random places, in reach"}
 
+Sets = Mapping[str, list[Figures]]
+
 
 def blocks() -> dict[str, str]:
-    """Return the tables of the page, by the names of their blocks."""
-    sets = figures_of_study(HERE, SETS)
-    strategies = [(SETS[name], one) for name, figures in sets.items() for one in figures]
-    heads = ["objects", "touches by", *(f"{one} touch{'' if one == 1 else 'es'}" for one in SHOWN)]
+    """Return the generated parts of the page by name of the block."""
+    sets: Sets = figures_of_study(HERE, SETS)
+    heads = ["objects", "touches by", *(_counted(number) for number in IN_TABLE)]
+    heads += ["half of the views certain by", "ever certain", "certain answers that are right"]
     return {
-        "accuracy": table(heads, [_accuracies(*one) for one in strategies]),
-        "leads": table(heads, [_leads(*one) for one in strategies if one[1]["strategy"] != "fixation"]),
-        "certain": table(
-            [
-                "objects", "touches by", "views that become certain", "certain answers that are right",
-                "half of the views by touch", "mean touches", "right when it stops",
-            ],
-            [_certain(*one) for one in strategies],
-        ),
-        "objects": table(
-            ["object", *(NAMES[one["strategy"]] for one in sets["ycb"])],
-            _objects(sets["ycb"]),
-        ),
+        "accuracy": table(heads, _rows(sets)),
+        "leads": wrapped(lead_sentence(sets)),
+        "worst": wrapped(worst_sentence(sets["ycb"])),
         "measured": measured(HERE, {name: f"{words} objects" for name, words in SETS.items()}),
-    }  # fmt: skip
+    }
 
 
-def _accuracies(name: str, one: Figures) -> list[object]:
-    rows = (one["by_touches"][touches - 1] for touches in SHOWN)
-    return [*_named(name, one), *(_interval(row, "accuracy", "") for row in rows)]
+def lead_sentence(sets: Sets) -> str:
+    """Return the lead of fixation over random places, and how many intervals exclude 0."""
+    said = []
+    for name, words in SETS.items():
+        (rows,) = (one["by_touches"] for one in sets[name] if one["strategy"] != "fixation")
+        leads = {number: rows[number - 1] for number in SHOWN}
+        shown = sum(row["lead_low"] > 0 or row["lead_high"] < 0 for row in leads.values())
+        written = " and ".join(
+            f"{difference(leads[number], 'lead', 'lead_low', 'lead_high', 'p_value')} at {_counted(number)}"
+            for number in LEADS_AT
+        )
+        said.append(
+            f"on {words} objects {written}; {shown} of the {len(leads)} intervals of the picture exclude 0"
+        )
+    return (
+        f"Fixation minus random places, in points: {'; '.join(said)}. P values are not corrected."
+    )
 
 
-def _leads(name: str, one: Figures) -> list[object]:
-    rows = (one["by_touches"][touches - 1] for touches in SHOWN)
-    names = ("lead", "lead_low", "lead_high", "p_value")
-    return [*_named(name, one), *(difference(row, *names) for row in rows)]
+def worst_sentence(strategies: list[Figures]) -> str:
+    """Return the objects with the lowest accuracies by fixation."""
+    (one,) = (one for one in strategies if one["strategy"] == "fixation")
+    lowest = sorted(zip(one["accuracy"], one["objects"], strict=True))[:4]
+    listed = ", ".join(f"{key.split('/')[1]} {share(value)}" for value, key in lowest)
+    return f"After {len(one['by_touches'])} fixations the lowest accuracies are {listed}."
 
 
-def _certain(name: str, one: Figures) -> list[object]:
-    stopping = one["stopping"]
-    made = (stopping[key] for key in ("made", "made_low", "made_high"))
-    mean, low, high = (f"{value:.1f}" for value in made)
-    return [
-        *_named(name, one),
-        _interval(stopping, "certain"),
-        _interval(stopping, "right"),
-        "never" if stopping["median"] is None else stopping["median"],
-        f"{mean} ({low}–{high})",
-        _interval(stopping, "stopped"),
+def draw(sets: Sets) -> Figure:
+    """Draw accuracy against touches, by set of objects and strategy."""
+    series = [
+        Series(
+            f"{name} {len(one['objects'])}, {NAMES[one['strategy']]}",
+            place,
+            [figure_of(one["by_touches"][number - 1], "accuracy") for number in SHOWN],
+        )
+        for place, (name, one) in enumerate(
+            (SETS[name], one) for name, strategies in sets.items() for one in strategies
+        )
     ]
+    return draw_by_touches(SHOWN, series)
 
 
-def _objects(strategies: list[Figures]) -> Iterator[list[object]]:
-    for index, key in enumerate(strategies[0]["objects"]):
-        yield [key.split("/")[1], *(share(one["accuracy"][index]) for one in strategies)]
+def _rows(sets: Sets) -> Iterator[list[object]]:
+    for name, strategies in sets.items():
+        for one in strategies:
+            stopping = one["stopping"]
+            yield [
+                f"{SETS[name]} {len(one['objects'])}",
+                NAMES[one["strategy"]],
+                *(_share(one["by_touches"][number - 1], "accuracy") for number in IN_TABLE),
+                "never" if stopping["median"] is None else _counted(stopping["median"]),
+                _share(stopping, "certain"),
+                _share(stopping, "right"),
+            ]
 
 
-def _named(name: str, one: Figures) -> list[object]:
-    return [f"{name} {len(one['objects'])}", NAMES[one["strategy"]]]
+def _share(row: Figures, name: str) -> str:
+    found = figure_of(row, name)
+    return "none" if found is None else estimated(found)
 
 
-def _interval(row: Figures, name: str, prefix: str | None = None) -> str:
-    """Return a share in per cent with the ends of its interval."""
-    if row[name] is None:
-        return "none"
-    prefix = f"{name}_" if prefix is None else prefix
-    low, high = (row[f"{prefix}{end}"] for end in ("low", "high"))
-    return f"{share(row[name])} ({100 * low:.1f}–{100 * high:.1f})"
+def _counted(touches: int) -> str:
+    return f"{touches} touch{'' if touches == 1 else 'es'}"
 
 
 if __name__ == "__main__":
     fill_page(PAGE, blocks())
+    save_picture(draw(figures_of_study(HERE, SETS)), PICTURE)
