@@ -163,6 +163,7 @@ readme: $(DEVELOP) report
 	python -m baselines.make_page
 	python -m touch_agents.make_page
 	python docs/make_claims.py
+	python docs/make_study_pictures.py
 	python docs/make_two_questions.py
 	python docs/make_probing.py
 	python -m eye_and_touch.make_page

@@ -1,5 +1,7 @@
 """The kept table is one of agreement, with its origin, and the page shows its means."""
 
+import re
+
 import pyarrow.parquet as pq
 
 from human_gaze.agreement_means import beside_peer, summarise
@@ -15,6 +17,11 @@ def words(value):
     return f"{value.mean:.3f} ({value.low:.3f} to {value.high:.3f})"
 
 
+def written(value):
+    """Return an interval with the minus sign of prose."""
+    return words(value).replace("-", "\N{MINUS SIGN}")
+
+
 def test_the_kept_table_names_its_recordings_and_has_one_recording_per_object():
     assert read_source(KEPT).date == "2026-11-27"
     assert b"Universidad de Zaragoza" in pq.read_schema(KEPT).metadata[b"recordings"]
@@ -22,15 +29,27 @@ def test_the_kept_table_names_its_recordings_and_has_one_recording_per_object():
     assert len(digests) == len(objects) == 58
 
 
-def test_the_tables_of_the_page_are_those_of_the_kept_table():
-    page = KEPT.with_name("README.md").read_text()
-    held = {row.predictor.name: row for row in summarise(TABLE, "training")}
-    shown = [row for name, row in held.items() if name != "curvature"]
-    shown += [
-        row
-        for row in beside_peer(TABLE)
-        if row.predictor.name in ("peer", "chosen", "place", "equal")
-    ]
-    for row in shown:
-        for measure in ("correlation", "auc_top"):
-            assert words(row.measures[measure]) in page, (row.predictor.name, measure)
+def test_the_numbers_of_the_page_are_those_of_the_kept_table():
+    page = " ".join(KEPT.with_name("README.md").read_text().split())
+    held = {row.predictor.label: row for row in summarise(TABLE, "training")}
+    lines = re.findall(r"\| ([^|]+) \| \**(\d[^|*]+)\** \| \**(\d[^|*]+)\** \|", page)
+    assert len(lines) == 7
+    for label, correlation, area in lines:
+        measures = held[label].measures
+        assert (correlation, area) == (words(measures["correlation"]), words(measures["auc_top"]))
+    peers = {row.predictor.name: row for row in beside_peer(TABLE)}
+    for name in ("peer", "chosen"):
+        assert words(peers[name].measures["correlation"]) in page
+    assert written(peers["chosen"].gain) in page
+    tests = {row.predictor.name: row for row in summarise(TABLE, "test")}
+    assert written(tests["chosen"].measures["correlation"]) in page
+
+
+def test_the_leads_of_the_page_are_paired_over_objects():
+    page = " ".join(KEPT.with_name("README.md").read_text().split())
+    rows = TABLE.to_pandas()
+    rows = rows[rows["part"] == "training"].pivot(
+        index="object", columns="predictor", values="correlation"
+    )
+    for name in ("facing", "place"):
+        assert f"by {(rows['chosen'] - rows[name]).mean():.3f} (" in page

@@ -1,0 +1,122 @@
+"""Draw the pictures of the studies' pages that have no tables to fill: `make readme`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from filling import DOCS, kept_figures, read_json, save_picture
+from make_claims import KEPT as CLAIMS
+from make_claims import of_classifier, pipelines_of
+from matplotlib.figure import Figure
+
+from human_gaze.agreement_means import summarise
+from human_gaze.section import KEPT as GAZE
+from human_gaze.tables import AGREEMENT
+from trust.odd import KEPT as ODD
+from visuohaptic.evaluation.held_out import summarise_evaluation
+from visuohaptic.recognition.parameters import IntervalParameters
+from visuohaptic.report.estimates import Figure as Estimate
+from visuohaptic.report.estimates import estimate
+from visuohaptic.report.figures import Series, draw_intervals, draw_leads
+from visuohaptic.report.wording import (
+    classifier_name,
+    counted,
+    pipeline_name,
+    strategy_name,
+    strategy_place,
+)
+from visuohaptic.tables.schema import read_table
+from visuohaptic.tables.studies import EVALUATION
+
+STUDIES = DOCS.parent / "studies"
+TAKEN_AWAY = {
+    "skin alone": "imprints only",
+    "pose alone": "positions and normals only",
+    "without the map": "no self-organising map",
+    "order shuffled": "order of touches shuffled",
+    "sensor of fixed size": "sensor of fixed size",
+}
+"""Conditions of study `claims` that take a part of the method away."""
+
+
+def ablations() -> Figure:
+    """Draw the change of accuracy by fixation on the largest set where a part is taken away."""
+    figures = kept_figures(CLAIMS)["benchmark"]
+    series = []
+    for place, pipeline in enumerate(pipelines_of(figures)):
+        found = of_classifier(figures[pipeline]["fixation"])
+        cells = [found[condition] for condition in TAKEN_AWAY]
+        changes = [
+            Estimate(cell["difference"], cell["difference_low"], cell["difference_high"])
+            for cell in cells
+        ]
+        series.append(Series(pipeline_name(pipeline), place, changes))
+    chart = draw_leads(list(TAKEN_AWAY.values()), "what changes", series)
+    chart.axes[0].set_xlabel("change of accuracy, percentage points")
+    return chart
+
+
+def classifier_settings() -> Figure:
+    """Draw the accuracy of each classifier with its best setting on the tuning objects."""
+    accuracies = read_json(STUDIES / "classifier_settings/chosen.json")["accuracy"]
+    best = {classifier_name(name): max(tried.values()) for name, tried in accuracies.items()}
+    return _ranked(best, "classifier")
+
+
+def frame_descriptors() -> Figure:
+    """Draw the accuracy of each family of descriptors on the tuning objects."""
+    return _ranked(read_json(STUDIES / "frame_descriptors/chosen.json")["accuracy"], "family")
+
+
+def human_gaze() -> Figure:
+    """Draw the correlation of each prediction with people's gaze, held-out objects."""
+    rows = summarise(read_table(AGREEMENT, GAZE), "training")
+    found = [estimate(row.measures["correlation"]) for row in rows]
+    labels = [row.predictor.label for row in rows]
+    chart = draw_intervals(labels, "prediction", [Series("", 0, found)])
+    (axes,) = chart.axes
+    axes.set_xlabel("correlation with people's gaze")
+    axes.set_xlim(-0.05, 0.65)
+    axes.xaxis.set_major_formatter("{x:g}")
+    return chart
+
+
+def trust() -> Figure:
+    """Draw the share of untypical objects with their class in the prediction set, by views and strategy."""
+    rows = summarise_evaluation(read_table(EVALUATION, ODD), IntervalParameters())
+    views = sorted({row["views"] for row in rows})
+    series = [
+        Series(
+            strategy_name(strategy),
+            strategy_place(strategy),
+            [Estimate(*row["coverage"]) for row in rows if row["strategy"] == strategy],
+        )
+        for strategy in dict.fromkeys(row["strategy"] for row in rows)
+    ]
+    chart = draw_intervals([counted(number, "view") for number in views], "views", series)
+    (axes,) = chart.axes
+    axes.axvline(rows[0]["stated"], color="black", linestyle="--", linewidth=1)
+    axes.set_xlabel("prediction sets that hold the class (dashed: as stated)")
+    return chart
+
+
+def _ranked(accuracies: dict[str, float], rows_are: str) -> Figure:
+    """Draw accuracies in the order of their size."""
+    ranked = sorted(accuracies.items(), key=lambda item: -item[1])
+    found = [Estimate(accuracy) for _, accuracy in ranked]
+    return draw_intervals([name for name, _ in ranked], rows_are, [Series("", 0, found)])
+
+
+DRAWN: tuple[Callable[[], Figure], ...] = (
+    ablations,
+    classifier_settings,
+    frame_descriptors,
+    human_gaze,
+    trust,
+)
+"""What to draw; each function has the name of its study."""
+
+if __name__ == "__main__":
+    for draw in DRAWN:
+        name = draw.__name__
+        save_picture(draw(), STUDIES / name / f"{name}.png")
