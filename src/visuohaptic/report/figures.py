@@ -397,8 +397,8 @@ def draw_by_touches(touches: Sequence[int], series: Sequence[Series]) -> Figure:
         means = [estimate.mean for _, estimate in found]
         axes.plot(numbers, means, color=colour, marker=mark, markersize=4.5, label=one.label)
         if all(estimate.low is not None for _, estimate in found):
-            ends = ([getattr(estimate, end) for _, estimate in found] for end in ("low", "high"))
-            axes.fill_between(numbers, *ends, color=colour, alpha=0.12, linewidth=0)
+            low, high = ([getattr(one, end) for _, one in found] for end in ("low", "high"))
+            axes.fill_between(numbers, low, high, color=colour, alpha=0.12, linewidth=0)
     axes.set_xscale("log")
     axes.set_xticks(touches, [str(number) for number in touches])
     axes.set_xticks([], minor=True)
