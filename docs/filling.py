@@ -124,11 +124,12 @@ def estimated(figure: Estimate) -> str:
 
 
 def difference(cell: Figures, *names: str) -> str:
-    """Write a difference in percentage points, its interval and p value, by their names; empty where there is none."""
-    value, low, high, p_value = (cell[name] for name in names)
+    """Write a difference in percentage points with its interval and, if it is named, its p value; empty where there is none."""
+    value, low, high, *p_value = (cell[name] for name in names)
     if value is None:
         return ""
-    return f"{points(value)} ({points(low)} to {points(high)}), p {p_value:.2g}"
+    tested = "".join(f", p {one:.2g}" for one in p_value)
+    return f"{points(value)} ({points(low)} to {points(high)}){tested}"
 
 
 def fill_page(page: Path, blocks: Mapping[str, str]) -> None:

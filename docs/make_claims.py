@@ -17,6 +17,7 @@ from filling import (
     fill_page,
     kept_figures,
     points,
+    save_picture,
     share,
     table,
 )
@@ -111,17 +112,20 @@ def change(cell: Figures) -> str:
 
 
 @style()
-def draw(found: Figures) -> Chart:
-    """Draw what each condition changes on one set of objects, a row per condition and a mark per pipeline."""
+def draw(found: Figures, conditions: Mapping[str, str]) -> Chart:
+    """Draw what conditions change on one set of objects, a row per condition and a mark per pipeline.
+
+    `conditions` has the words for each condition.
+    """
     series = []
     for place, pipeline in enumerate(pipelines_of(found)):
-        cells = [of_classifier(found[pipeline]["fixation"])[one] for one in OTHERS]
+        cells = [of_classifier(found[pipeline]["fixation"])[one] for one in conditions]
         changes = [
             Figure(*(cell[name] for name in ("difference", "difference_low", "difference_high")))
             for cell in cells
         ]
         series.append(figures.Series(pipeline_name(pipeline), place, changes))
-    chart = figures.draw_leads(OTHERS, "condition", series)
+    chart = figures.draw_leads(list(conditions.values()), "condition", series)
     chart.axes[0].set_xlabel("change of accuracy, percentage points")
     return chart
 
@@ -138,4 +142,4 @@ def blocks(sets: Mapping[str, Figures]) -> dict[str, str]:
 if __name__ == "__main__":
     kept = kept_figures(KEPT)
     fill_page(PAGE, blocks(kept))
-    draw(kept["benchmark"]).savefig(PICTURE, dpi=150, facecolor="white")
+    save_picture(draw(kept["benchmark"], {one: one for one in OTHERS}), PICTURE)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from filling import DOCS, kept_figures, read_json, save_picture
 from make_claims import KEPT as CLAIMS
-from make_claims import of_classifier, pipelines_of
+from make_claims import draw as draw_changes
 from matplotlib.figure import Figure
 
 from human_gaze.agreement_means import summarise
@@ -17,11 +17,10 @@ from visuohaptic.evaluation.held_out import summarise_evaluation
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.estimates import Figure as Estimate
 from visuohaptic.report.estimates import estimate
-from visuohaptic.report.figures import Series, draw_intervals, draw_leads
+from visuohaptic.report.figures import Series, draw_intervals
 from visuohaptic.report.wording import (
     classifier_name,
     counted,
-    pipeline_name,
     strategy_name,
     strategy_place,
 )
@@ -41,19 +40,7 @@ TAKEN_AWAY = {
 
 def ablations() -> Figure:
     """Draw the change of accuracy by fixation on the largest set where a part is taken away."""
-    figures = kept_figures(CLAIMS)["benchmark"]
-    series = []
-    for place, pipeline in enumerate(pipelines_of(figures)):
-        found = of_classifier(figures[pipeline]["fixation"])
-        cells = [found[condition] for condition in TAKEN_AWAY]
-        changes = [
-            Estimate(cell["difference"], cell["difference_low"], cell["difference_high"])
-            for cell in cells
-        ]
-        series.append(Series(pipeline_name(pipeline), place, changes))
-    chart = draw_leads(list(TAKEN_AWAY.values()), "what changes", series)
-    chart.axes[0].set_xlabel("change of accuracy, percentage points")
-    return chart
+    return draw_changes(kept_figures(CLAIMS)["benchmark"], TAKEN_AWAY)
 
 
 def classifier_settings() -> Figure:

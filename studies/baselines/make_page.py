@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -95,8 +95,7 @@ def headline(kept: Mapping[str, KeptBaselines]) -> str:
         )
     closest = [max(leads, key=lambda lead: lead[0].mean) for leads in leads_of_sets]
     lines = [wrapped(f"- {_lead(*lead)}.", "  ") for lead in ahead or closest]
-    level = [_level(of_set, baselines) for of_set in kept.values()]
-    return "\n".join([wrapped(first), "", *lines, "", *filter(None, level)])
+    return "\n".join([wrapped(first), "", *lines])
 
 
 def simplest(kept: Mapping[str, KeptBaselines], strategy: str = "random") -> str:
@@ -135,23 +134,6 @@ def _gap(kept: KeptBaselines, first: str, second: str, strategy: str) -> Interva
     ]
     values, others, weights = np.array(rows, dtype=np.float64).T
     return compare_paired(values, others, weights, INTERVALS).difference
-
-
-def _level(kept: KeptBaselines, names: Sequence[str]) -> str:
-    """Write the baselines whose paired intervals contain 0 for all strategies; empty if there are none."""
-    labels = []
-    for name in names:
-        if any((name, strategy, HEADLINE_TOUCHES) not in _by_name(kept) for strategy in STRATEGIES):
-            continue
-        intervals = [difference(kept, name, strategy, HEADLINE_TOUCHES) for strategy in STRATEGIES]
-        if all(interval.low <= 0 <= interval.high for interval in intervals):
-            labels.append(LABELS[name])
-    if not labels:
-        return ""
-    count = len(kept.objects) - len(kept.choosing)
-    return wrapped(
-        f"On {count} objects the intervals of all three strategies include 0: {', '.join(labels)}."
-    )
 
 
 def difference(kept: KeptBaselines, name: str, strategy: str, touches: int) -> Interval:

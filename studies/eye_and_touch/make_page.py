@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from filling import (
-    STRATEGIES,
     Figures,
     accuracy,
     difference,
@@ -33,13 +32,9 @@ ANSWERS = {
     PRODUCT: "product",
     CHECKED: "checked product",
 }
-BUDGETED = "random_visible"
-"""The strategy of the table of budgets."""
-ROWS_OF_BUDGET = {
-    TOUCH: "touch only",
-    CHECKED: "look, then a fixed number of touches",
-    STOPPING: "look, then touch by the rule",
-}
+GAIN = ("difference", "low", "high")
+ONLY_TOUCH = "random_visible"
+"""The strategy of touch only in the picture."""
 
 
 def sight_table(figures: Figures) -> str:
@@ -50,36 +45,13 @@ def sight_table(figures: Figures) -> str:
         [
             row["sight"],
             *(accuracy(row["answers"][answer]) for answer in ANSWERS),
-            gain(row["gains"][TOUCH]),
-            gain(row["gains"][CHECKED]),
+            difference(row["gains"][TOUCH], *GAIN),
+            difference(row["gains"][CHECKED], *GAIN),
             f"{100 * worth[row['sight']]['accuracy_a_second']:.2f}",
         ]
         for row in figures["sights"]
     ]
     return table([*heads, "points per second"], rows)
-
-
-def budget_table(figures: Figures) -> str:
-    """Write the accuracy within each budget of the robot's time, clean sight, places by `BUDGETED`."""
-    budgets = figures["prices"]["budgets"]
-    rows = {
-        (row["answer"], row["budget"]): row
-        for row in figures["budgets"]
-        if row["strategy"] == BUDGETED
-    }
-    lines = [
-        [words, *(budget_cell(rows.get((answer, budget))) for budget in budgets)]
-        for answer, words in ROWS_OF_BUDGET.items()
-    ]
-    return table([STRATEGIES[BUDGETED], *(f"{budget:g} s" for budget in budgets)], lines)
-
-
-def budget_cell(row: Figures | None) -> str:
-    """Write an accuracy with its interval, and the number of touches or the mean time of the rule."""
-    if row is None:
-        return "too short"
-    spent = f"{row['seconds']:.1f} s" if row["answer"] == STOPPING else row["touches"]
-    return f"{accuracy(row)}; {spent}"
 
 
 def rule_sentence(figures: Figures) -> str:
@@ -125,11 +97,6 @@ def touch_accuracies(figures: Figures) -> dict[str, dict[int, float]]:
     return found
 
 
-def gain(row: Figures) -> str:
-    """Write a paired difference in percentage points with its interval."""
-    return difference(row, "difference", "low", "high", "p_value").partition(",")[0]
-
-
 @style()
 def draw(sets: Mapping[str, Figures]) -> Figure:
     """Draw accuracy against the robot's time on the largest set: look and touch, and touch only."""
@@ -139,7 +106,7 @@ def draw(sets: Mapping[str, Figures]) -> Figure:
     only = sorted(
         (row["seconds"], row["accuracy"])
         for row in figures["curves"]
-        if (row["answer"], row["strategy"]) == (TOUCH, BUDGETED)
+        if (row["answer"], row["strategy"]) == (TOUCH, ONLY_TOUCH)
     )
     axes.plot(*zip(*only, strict=True), color=COLOURS["ink"], linestyle="--", marker="x")
     words = "touch only,\nrandom, in sight"
@@ -162,7 +129,6 @@ def blocks(sets: Mapping[str, Figures]) -> dict[str, str]:
     return {
         "look": wrapped(look_sentence(many)),
         "sights": sight_table(many),
-        "budgets": budget_table(many),
         "rule": wrapped(rule_sentence(many)),
         "measured": measured(HERE),
     }

@@ -34,17 +34,12 @@ def curve_table(figures: Figures) -> str:
             cells += [share(points[number - 1][0]) for number in touches]
             if pipeline == "order_free":
                 cells.append("never" if needed["touches"] is None else needed["touches"])
-            cells.append(gain(needed))
+            cells.append(difference(needed, "gain", "gain_low", "gain_high"))
         rows.append(cells)
     heads = ["strategy", *(f"ours, {number}" for number in SHOWN["order_free"])]
     heads += ["touches for 90 %", "fixation's area minus this"]
     heads += [*(f"paper's, {number}" for number in SHOWN["paper"]), "fixation's area minus this"]
     return table(heads, rows)
-
-
-def gain(needed: Figures) -> str:
-    """Write the area of fixation minus that of a strategy, in points with its interval; empty for fixation."""
-    return difference(needed, "gain", "gain_low", "gain_high", "p_value").partition(",")[0]
 
 
 def draw(sets: Mapping[str, Figures]) -> Figure:

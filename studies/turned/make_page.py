@@ -27,8 +27,6 @@ from visuohaptic.report.wording import POSES, points
 PAGE = Path(__file__).parent / "README.md"
 PICTURE = PAGE.with_name("turned.png")
 INTERVALS = IntervalParameters()
-LONGEST = 20
-"""Touches of the longest sequences."""
 SHOWN: tuple[tuple[Turns, Known], ...] = (
     ("none", "full"),
     ("vertical", "full"),
@@ -43,21 +41,18 @@ SHOWN: tuple[tuple[Turns, Known], ...] = (
 
 def compared() -> dict[str, tuple[CellName, CellName]]:
     """Return the pairs of cells by fixation to compare: the first minus the second, by label."""
-    five, twenty = HEADLINE_TOUCHES, LONGEST
-    ours = CellName("any", "none", five, "fixation")
+
+    def cell(turns: Turns, known: Known, touches: int = HEADLINE_TOUCHES) -> CellName:
+        return CellName(turns, known, touches, "fixation")
+
+    ours = cell("any", "none")
     return {
-        "all assumed, fitted on turned objects": (ours, CellName("any", "full", five, "fixation")),
-        "all assumed, fitted on upright objects": (
-            ours,
-            CellName("any", TRAINED_UPRIGHT, five, "fixation"),
-        ),
-        f"all known of upright objects, {five} touches": (
-            ours,
-            CellName("none", "full", five, "fixation"),
-        ),
-        f"all known of upright objects, {twenty} touches": (
-            CellName("any", "none", twenty, "fixation"),
-            CellName("none", "full", twenty, "fixation"),
+        "all assumed, fitted on turned objects": (ours, cell("any", "full")),
+        "all assumed, fitted on upright objects": (ours, cell("any", TRAINED_UPRIGHT)),
+        "all known of upright objects, 5 touches": (ours, cell("none", "full")),
+        "all known of upright objects, 20 touches": (
+            cell("any", "none", 20),
+            cell("none", "full", 20),
         ),
     }
 
