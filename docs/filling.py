@@ -21,16 +21,6 @@ if TYPE_CHECKING:
 
 DOCS = Path(__file__).parent
 SETS = {"paper": "12 objects", "benchmark": "142 objects"}
-STRATEGIES = {
-    "fixation": "eye fixations",
-    "random": "random, in reach",
-    "random_visible": "random, among what the eye sees",
-    "random_walk": "random walk over the surface",
-    "random_anywhere": "random, also where no sensor can come",
-}
-"""Strategies in words."""
-COLOURS = ("#0b57a4", "#a34a00", "#5c2a86", "#3d5c1e")
-
 Figures = Mapping[str, Any]
 Sets = Mapping[str, Figures]
 

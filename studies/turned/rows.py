@@ -67,16 +67,6 @@ class TurnedRow:
     intervals: IntervalParameters
 
     @property
-    def pose(self) -> str:
-        """The pose of the objects in words."""
-        return POSES[self.turns]
-
-    @property
-    def classifier(self) -> str:
-        """The classifier."""
-        return self.cells["fixation"].classifier
-
-    @property
     def draws(self) -> int:
         """The number of draws of the turns; an object's accuracy is the mean over the draws."""
         return self.cells["fixation"].draws
@@ -101,19 +91,8 @@ class TurnedRow:
         """The accuracy of touches at random places in sight."""
         return self._figure("random_visible")
 
-    @cached_property
-    def lead(self) -> Figure:
-        """Fixation minus random places in reach."""
-        return self._figure("fixation", "random")
-
-    @cached_property
-    def saliency_gain(self) -> Figure:
-        """Fixation minus random places in sight."""
-        return self._figure("fixation", "random_visible")
-
-    def _figure(self, plus: str, *minus: str) -> Figure:
-        subtracted = [self.cells[name] for name in minus]
-        return _figure([self.cells[plus]], subtracted, self.intervals, self.classes, self.tested)
+    def _figure(self, strategy: str) -> Figure:
+        return _figure([self.cells[strategy]], [], self.intervals, self.classes, self.tested)
 
 
 def turned_rows(kept: TurnedSet, intervals: IntervalParameters) -> list[TurnedRow]:
