@@ -37,11 +37,14 @@ def fill_from_figures(
     save_picture(draw(sets), picture)
 
 
-def save_picture(chart: Figure, path: Path) -> None:
-    """Write a chart as a PNG of 128 colours on white, without metadata: the same chart gives the same bytes."""
+def save_picture(chart: Figure, path: Path, dpi: int = 110) -> None:
+    """Write a chart as a PNG of 128 colours on white, without metadata: the same chart gives the same bytes.
+
+    With the default `dpi` pixels per inch the text of a chart is as large as the text of a page.
+    """
     drawn = io.BytesIO()
     with style():
-        chart.savefig(drawn, format="png", dpi=150)
+        chart.savefig(drawn, format="png", dpi=dpi)
     image = Image.open(drawn)
     ground = Image.new("RGBA", image.size, "white")
     ground.alpha_composite(image)

@@ -142,4 +142,4 @@ def blocks(sets: Mapping[str, Figures]) -> dict[str, str]:
 if __name__ == "__main__":
     kept = kept_figures(KEPT)
     fill_page(PAGE, blocks(kept))
-    save_picture(draw(kept["benchmark"], {one: one for one in OTHERS}), PICTURE)
+    save_picture(draw(kept["benchmark"], {one: one for one in OTHERS}), PICTURE, 150)

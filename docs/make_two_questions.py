@@ -85,6 +85,8 @@ if __name__ == "__main__":
         if lead.known == "full" and lead.pipeline != "literal" and lead.name in OF_README
     ]
     for name, leads in (("leads", main), ("leads_by_frame", kept.leads)):
-        save_picture(figures.leads(leads), PICTURES / f"{name}.png")
+        save_picture(figures.leads(leads), PICTURES / f"{name}.png", 150)
     for leads in kept.by_class():
-        save_picture(leads_by_class(leads), PICTURES / f"leads_by_class_{leads[0].pipeline}.png")
+        save_picture(
+            leads_by_class(leads), PICTURES / f"leads_by_class_{leads[0].pipeline}.png", 150
+        )

@@ -9,7 +9,7 @@ from filling import estimated, fill_page, plain, save_picture, table, wrapped
 from matplotlib.figure import Figure
 
 from cues.kept import MeasuredCues, Setting, kept_cues
-from cues.sentences import SETTINGS, carries_sentence
+from cues.sentences import SETTINGS, carries_verdicts
 from cues.study import CUES, CueName, is_bare
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.estimates import with_interval
@@ -57,10 +57,16 @@ def blocks() -> dict[str, str]:
         if one.source
     )
     return {
-        "headline": wrapped(plain(carries_sentence(many, INTERVALS))),
+        "headline": "\n\n".join(map(headline, (many, few))),
         "settings": table(heads, rows),
         "sources": wrapped(f"Measured once and kept; {sources}."),
     }
+
+
+def headline(measured: MeasuredCues) -> str:
+    """Return what carries the accuracy on a set of objects."""
+    verdicts = plain(carries_verdicts(measured, INTERVALS))
+    return wrapped(f"On {measured.objects} objects, five touches, pose known: {verdicts[0].lower()}{verdicts[1:]}")
 
 
 def _share(measured: MeasuredCues, setting: Setting, name: CueName) -> str:

@@ -50,13 +50,28 @@ def carries_sentence(
     )
     names = [pipeline_name(one.pipeline) for one in upright]
     by = listed([f"{one} by {pipeline}" for one, pipeline in zip(pose, names, strict=True)])
-    ahead = [measured.difference(one, "pose", "imprint", intervals) for one in upright]
-    added = [measured.difference(one, "all", "pose", intervals) for one in upright]
     numbers = (
         f"Positions and normals of {counted(touches, 'touch')}, without any imprint, give {by}; imprints only give "
         f"{listed(imprint)} ({_named(measured)})."
     )
-    return " ".join([numbers, _verdicts(names, ahead, _WHICH), _verdicts(names, added, _ADDED)])
+    return f"{numbers} {carries_verdicts(measured, intervals, touches, strategy)}"
+
+
+def carries_verdicts(
+    measured: MeasuredCues,
+    intervals: IntervalParameters,
+    touches: int = 5,
+    strategy: str = "fixation",
+) -> str:
+    """Return which is ahead on upright objects, positions with normals or imprints, and what imprints add.
+
+    Parameters are those of `carries_sentence`. The text is empty if nothing was measured for them.
+    """
+    upright = _by_pipeline(measured, "new", "none", touches, strategy)
+    names = [pipeline_name(one.pipeline) for one in upright]
+    ahead = [measured.difference(one, "pose", "imprint", intervals) for one in upright]
+    added = [measured.difference(one, "all", "pose", intervals) for one in upright]
+    return f"{_verdicts(names, ahead, _WHICH)} {_verdicts(names, added, _ADDED)}".strip()
 
 
 def imprints_sentence(measured: MeasuredCues, intervals: IntervalParameters) -> str:
