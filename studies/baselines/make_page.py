@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from filling import SETS, estimated, fill_page, plain, save_picture, share, table, wrapped
+from filling import SETS, fill_page, plain, save_picture, share, table, wrapped
 from matplotlib.figure import Figure
 
 from baselines.measure import LENGTHS, OURS, STRATEGIES, KeptBaselines, KeptCell, read_kept
@@ -104,7 +104,7 @@ def simplest(kept: Mapping[str, KeptBaselines], strategy: str = "random") -> str
     for name, of_set in kept.items():
         cells = _by_name(of_set)
         simple, paper, ours = (
-            share(_accuracy(cells[classifier, strategy, HEADLINE_TOUCHES]).mean)
+            _accuracy_text(cells[classifier, strategy, HEADLINE_TOUCHES])
             for classifier in ("twenty_lines", "paper", OURS)
         )
         lead = _gap(of_set, "twenty_lines", "paper", strategy)
@@ -158,7 +158,7 @@ def _accuracy(cell: KeptCell) -> Interval:
 
 
 def _accuracy_text(cell: KeptCell) -> str:
-    return estimated(estimate(_accuracy(cell)))
+    return share(_accuracy(cell).mean)
 
 
 def _lead(lead: Interval, name: str, strategy: str, kept: KeptBaselines) -> str:

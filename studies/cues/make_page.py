@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from filling import estimated, fill_page, plain, save_picture, table, wrapped
+from filling import fill_page, plain, save_picture, share, table, wrapped
 from matplotlib.figure import Figure
 
 from cues.kept import MeasuredCues, Setting, kept_cues
@@ -66,12 +66,14 @@ def blocks() -> dict[str, str]:
 def headline(measured: MeasuredCues) -> str:
     """Return what carries the accuracy on a set of objects."""
     verdicts = plain(carries_verdicts(measured, INTERVALS))
-    return wrapped(f"On {measured.objects} objects, five touches, pose known: {verdicts[0].lower()}{verdicts[1:]}")
+    return wrapped(
+        f"On {measured.objects} objects, five touches, pose known: {verdicts[0].lower()}{verdicts[1:]}"
+    )
 
 
 def _share(measured: MeasuredCues, setting: Setting, name: CueName) -> str:
     if measured.has(setting, name):
-        return estimated(measured.accuracy(setting, name, INTERVALS))
+        return share(measured.accuracy(setting, name, INTERVALS).mean)
     return "nothing to tell" if is_bare(setting.frame, setting.touches) else "not measured"
 
 

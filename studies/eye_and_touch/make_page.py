@@ -7,7 +7,6 @@ from pathlib import Path
 
 from filling import (
     Figures,
-    accuracy,
     difference,
     figures_of_study,
     fill_from_figures,
@@ -44,7 +43,7 @@ def sight_table(figures: Figures) -> str:
     rows = [
         [
             row["sight"],
-            *(accuracy(row["answers"][answer]) for answer in ANSWERS),
+            *(share(row["answers"][answer]["accuracy"]) for answer in ANSWERS),
             difference(row["gains"][TOUCH], *GAIN),
             difference(row["gains"][CHECKED], *GAIN),
             f"{100 * worth[row['sight']]['accuracy_a_second']:.2f}",

@@ -16,7 +16,7 @@ from visuohaptic.report.wording import strategy_name, strategy_place
 HERE = Path(__file__).parent
 PAGE = HERE / "README.md"
 PICTURE = HERE / "curves.png"
-SHOWN = {"order_free": (1, 2, 5, 8, 16), "paper": (1, 5, 16)}
+SHOWN = {"order_free": (1, 2, 5, 16), "paper": (5, 16)}
 """Numbers of touches in the table by pipeline."""
 DRAWN = (1, 2, 3, 5, 8, 16)
 """Numbers of touches in the picture."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from filling import SETS, estimated, fill_page, plain, save_picture, table, wrapped
+from filling import SETS, estimated, fill_page, plain, save_picture, share, table, wrapped
 from matplotlib.figure import Figure
 
 from turned.kept import HEADLINE_TOUCHES, KNOWN, TurnedSet, read_turned
@@ -89,8 +89,9 @@ def frame_table(many: TurnedSet, few: TurnedSet) -> str:
             [
                 POSES[turns],
                 KNOWN[known],
-                *(estimated(one) for one in (row.fixation, row.random, row.visible)),
-                estimated(fewer[turns, known].fixation),
+                estimated(row.fixation),
+                *map(share, (row.random.mean, row.visible.mean)),
+                share(fewer[turns, known].fixation.mean),
             ]
             for turns, known in SHOWN
             for row in [rows[turns, known]]

@@ -27,10 +27,10 @@ AGAIN = "27 November 2026"
 """Day of the code that made the tables of the second choice."""
 NOTEBOOK = DOCS / "notebook" / "2026-11-variants.md"
 OPPONENT_WORDS = {
-    "reachable": "in reach, `random`",
-    "anywhere": "anywhere, `random_anywhere`",
-    "visible": "among what the eye sees, `random_visible`",
-    "walk": "a walk, `random_walk`",
+    "reachable": "`random`",
+    "anywhere": "`random_anywhere`",
+    "visible": "`random_visible`",
+    "walk": "`random_walk`",
 }
 
 
