@@ -12,20 +12,11 @@ from matplotlib.figure import Figure
 from human_gaze.agreement_means import summarise
 from human_gaze.section import KEPT as GAZE
 from human_gaze.tables import AGREEMENT
-from trust.odd import KEPT as ODD
-from visuohaptic.evaluation.held_out import summarise_evaluation
-from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.estimates import Figure as Estimate
 from visuohaptic.report.estimates import estimate
 from visuohaptic.report.figures import Series, draw_intervals
-from visuohaptic.report.wording import (
-    classifier_name,
-    counted,
-    strategy_name,
-    strategy_place,
-)
+from visuohaptic.report.wording import classifier_name
 from visuohaptic.tables.schema import read_table
-from visuohaptic.tables.studies import EVALUATION
 
 STUDIES = DOCS.parent / "studies"
 TAKEN_AWAY = {
@@ -68,25 +59,6 @@ def human_gaze() -> Figure:
     return chart
 
 
-def trust() -> Figure:
-    """Draw the share of untypical objects with their class in the prediction set, by views and strategy."""
-    rows = summarise_evaluation(read_table(EVALUATION, ODD), IntervalParameters())
-    views = sorted({row["views"] for row in rows})
-    series = [
-        Series(
-            strategy_name(strategy),
-            strategy_place(strategy),
-            [Estimate(*row["coverage"]) for row in rows if row["strategy"] == strategy],
-        )
-        for strategy in dict.fromkeys(row["strategy"] for row in rows)
-    ]
-    chart = draw_intervals([counted(number, "view") for number in views], "views", series)
-    (axes,) = chart.axes
-    axes.axvline(rows[0]["stated"], color="black", linestyle="--", linewidth=1)
-    axes.set_xlabel("prediction sets that hold the class (dashed: as stated)")
-    return chart
-
-
 def _ranked(accuracies: dict[str, float], rows_are: str) -> Figure:
     """Draw accuracies in the order of their size."""
     ranked = sorted(accuracies.items(), key=lambda item: -item[1])
@@ -99,7 +71,6 @@ DRAWN: tuple[Callable[[], Figure], ...] = (
     classifier_settings,
     frame_descriptors,
     human_gaze,
-    trust,
 )
 """What to draw; each function has the name of its study."""
 
