@@ -15,6 +15,8 @@ from variants.design import is_default, is_literal
 from variants.kept import OUTSIDE, PAPER_SET, kept_variants
 from variants.leads import MAIN_OPPONENT, count_after_holm, leads_by_option, strongest_pair, sum_up
 from variants.verdicts import lead_evidence, of_papers_question, verdict
+from variants.weighing import summarise_variants
+from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.report.drawing import COLOURS, look, new_chart, style
 from visuohaptic.report.figures import as_points, label_axes, whole_percent
 from visuohaptic.report.wording import percent_points
@@ -96,6 +98,20 @@ def pair_sentence(tables: Mapping[str, list[Row]]) -> str:
         f"Over places in reach and the five classifiers two choices, *{'* and *'.join(labels)}*, explain "
         f"{', and '.join(said)}."
     )
+
+
+def reached_sentence(tables: Mapping[str, list[Row]]) -> str:
+    """Write which accuracies the variants reach by fixation with the SVM, and how many reach the published accuracy."""
+    said, reaching = [], 0
+    for name, rows in tables.items():
+        found = summarise_variants(rows)["classifiers"][BEST_OF_PAPER]
+        reaching += found["variants_reaching"]
+        lowest, middle, highest = (share(found[key]) for key in ("lowest", "median", "highest"))
+        said.append(
+            f"{lowest} to {highest}, median {middle}, over {found['variants']} variants of set {name}"
+        )
+    published = share(TABLE_1[BEST_OF_PAPER]["fixation"], 2)
+    return f"By fixation the SVM has {', and '.join(said)}; {reaching} reach the published {published}."
 
 
 def draw(tables: Mapping[str, list[Row]]) -> Figure:
@@ -187,6 +203,7 @@ def blocks() -> dict[Path, dict[str, str]]:
     return {
         PAGE: {
             "spread": spread_table(tables),
+            "reached": wrapped(reached_sentence(tables)),
             "pair": wrapped(f"{pair_sentence(tables)} {draws_sentence()}"),
             "chosen": wrapped(chosen_sentences()),
         },
