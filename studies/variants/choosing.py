@@ -1,10 +1,26 @@
 """Choose the default variant of the package by two rules, on objects outside the paper's set.
 
-docs/notebook/2026-11-variants.md has the rules in full. They were written down before they were applied. The default is
-the result of the first time, `chosen.json`; `chosen_again.json` is the result on tables that were measured again later.
-The first rule chooses among the variants of part ``recognition``. The second rule chooses among the options of each
-choice of touches; these are varied one at a time (parts ``further`` and ``single``). The rules never use the difference
-between strategies.
+The rules were written down before they were applied. The default is the result of the first time, `chosen.json`;
+`chosen_again.json` is the result on tables that were measured again later. The rules never use the difference between
+strategies.
+
+The first rule chooses among the variants of part ``recognition``:
+
+1. The score of a variant is its accuracy, averaged over the paper's five classifiers and all strategies that touch places
+   in reach (fixation, and random touches in reach, seen, and by a walk).
+2. The best variant has the highest score. A variant stays a candidate unless its score is significantly lower (paired over
+   objects, sign changes, 0.05).
+3. Of the candidates, the default is the one that differs from the former default in the fewest choices; of these, the one
+   with the highest score.
+
+The second rule chooses among the options of each choice of touches, except their order; these are varied one at a time
+(parts ``further`` and ``single``). For each choice by itself:
+
+1. The score of an option is that of its variants, averaged over the four map outputs, on the objects that all of these
+   variants could be tested on.
+2. An option is out if less than 95 % of the touches that it asks for are acquired, by the same strategies.
+3. The option of before stays, unless it is out, or another is significantly better (paired over objects, sign changes,
+   0.05 after Holm's correction for all compared options). Of such options the one with the highest score is the default.
 
 `python -m variants.choosing chosen.json results/study_blocks/variants/*.parquet` applies the first rule. It also applies
 the second rule if the blocks hold its variants. The shares of acquired touches are then read from

@@ -1,4 +1,4 @@
-"""Fill README.md and the study's notebook and draw the picture from the kept variants: `make readme`."""
+"""Fill README.md and draw the picture from the kept variants: `make readme`."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from filling import DOCS, Figures, fill_page, points, save_picture, share, table, wrapped
+from filling import Figures, fill_page, points, save_picture, share, table, wrapped
 from matplotlib.figure import Figure
 
 from draws.kept import read_draws
 from variants.choices import BEST_OF_PAPER, BY_NAME, OPPONENTS
 from variants.design import is_default, is_literal
 from variants.kept import OUTSIDE, PAPER_SET, kept_variants
-from variants.leads import MAIN_OPPONENT, count_after_holm, leads_by_option, strongest_pair, sum_up
+from variants.leads import MAIN_OPPONENT, count_after_holm, strongest_pair, sum_up
 from variants.verdicts import lead_evidence, of_papers_question, verdict
 from variants.weighing import summarise_variants
 from visuohaptic.evaluation.published import TABLE_1
@@ -27,7 +27,6 @@ PICTURE = PAGE.with_name("variants.png")
 CHOSEN = ("chosen", "chosen_again")
 AGAIN = "27 November 2026"
 """Day of the code that made the tables of the second choice."""
-NOTEBOOK = DOCS / "notebook" / "2026-11-variants.md"
 OPPONENT_WORDS = {
     "reachable": "`random`",
     "anywhere": "`random_anywhere`",
@@ -62,23 +61,6 @@ def spread_table(tables: Mapping[str, list[Row]]) -> str:
     heads = ["objects", "random touches", "variants", "default", "most literal", "median lead"]
     heads += ["ahead, p < 0.05 singly", "behind, p < 0.05 singly", "after Holm: ahead, behind"]
     return table([*heads, "verdict"], lines)
-
-
-def options_table(tables: dict[str, list[Row]]) -> str:
-    """Write the table of the median lead of fixation under each option, over all five classifiers."""
-    leads = {name: leads_by_option(rows) for name, rows in tables.items()}
-    rows = []
-    for choice, option in dict.fromkeys(key for by_option in leads.values() for key in by_option):
-        label = BY_NAME[choice].label[0].lower() + BY_NAME[choice].label[1:]
-        cells = [by_option.get((choice, option)) for by_option in leads.values()]
-        texts = (
-            f"{points(lead.middle)} ({share(lead.ahead / lead.cases, 0)} of {lead.cases})"
-            if lead
-            else ""
-            for lead in cells
-        )
-        rows.append([label, option.replace("_", " "), *texts])
-    return table(["choice", "option", *(f"median lead, {name}" for name in leads)], rows)
 
 
 def pair_sentence(tables: Mapping[str, list[Row]]) -> str:
@@ -197,21 +179,17 @@ def tables_of_sets() -> dict[str, list[Row]]:
     return {"paper": kept_variants(PAPER_SET).rows, "outside": kept_variants(OUTSIDE).rows}
 
 
-def blocks() -> dict[Path, dict[str, str]]:
-    """Return the generated parts of each page by name of the block."""
+def blocks() -> dict[str, str]:
+    """Return the generated parts of the page by name of the block."""
     tables = tables_of_sets()
     return {
-        PAGE: {
-            "spread": spread_table(tables),
-            "reached": wrapped(reached_sentence(tables)),
-            "pair": wrapped(f"{pair_sentence(tables)} {draws_sentence()}"),
-            "chosen": wrapped(chosen_sentences()),
-        },
-        NOTEBOOK: {"options": options_table(tables)},
+        "spread": spread_table(tables),
+        "reached": wrapped(reached_sentence(tables)),
+        "pair": wrapped(f"{pair_sentence(tables)} {draws_sentence()}"),
+        "chosen": wrapped(chosen_sentences()),
     }
 
 
 if __name__ == "__main__":
-    for page, tables in blocks().items():
-        fill_page(page, tables)
+    fill_page(PAGE, blocks())
     save_picture(draw(tables_of_sets()), PICTURE)

@@ -276,7 +276,7 @@ def test_the_page_of_the_two_questions_shows_the_kept_leads(run_script):
     "study",
     [
         *("baselines", "cues", "draws", "first_touch", "known_objects", "learned"),
-        *("touch_agents", "turned"),
+        *("touch_agents", "turned", "variants"),
     ],
 )
 def test_the_page_of_a_study_shows_what_the_study_keeps(study, run_script):

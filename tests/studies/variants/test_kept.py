@@ -2,7 +2,6 @@
 
 import json
 import re
-import runpy
 from importlib.resources import files
 from pathlib import Path
 
@@ -29,15 +28,6 @@ CHOSEN, CHOSEN_AGAIN = (
 )
 ROWS = kept_variants(PAPER_SET).rows
 ASKED = [row for row in ROWS if row["error"] is None and row["part"] != "protocol"]
-
-
-def test_the_tables_of_the_pages_are_those_of_the_kept_variants(monkeypatch):
-    monkeypatch.syspath_prepend(ROOT / "docs")
-    made = runpy.run_path(str(ROOT / "studies/variants/make_page.py"))
-    for page, blocks in made["blocks"]().items():
-        text = page.read_text(encoding="utf-8")
-        for name, table in blocks.items():
-            assert f"<!-- {name} -->\n{table}\n<!-- /{name} -->" in text
 
 
 def test_the_most_literal_variant_has_all_classifiers_of_the_paper():
