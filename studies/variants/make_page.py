@@ -52,13 +52,12 @@ def spread_table(tables: Mapping[str, list[Row]]) -> str:
                     len(run),
                     _lead(run, is_default),
                     _lead(run, is_literal),
-                    points(lead.middle),
                     *(lead.ahead_singly, lead.behind_singly),
                     "{}, {}".format(*count_after_holm(run)),
                     word,
                 ]
             )
-    heads = ["objects", "random touches", "variants", "default", "most literal", "median lead"]
+    heads = ["objects", "random touches", "variants", "default", "most literal"]
     heads += ["ahead, p < 0.05 singly", "behind, p < 0.05 singly", "after Holm: ahead, behind"]
     return table([*heads, "verdict"], lines)
 
