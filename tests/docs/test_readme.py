@@ -103,8 +103,28 @@ def test_the_answers_count_the_leads_of_the_kept_tables():
     assert f"in none of {len(salience.leads)} comparisons" in said
     largest = max(lead.difference.high for lead in kept.of("salience"))
     drawn = max(lead.difference.new_classes_high for lead in kept.of("salience"))
-    assert f"above {100 * largest:.1f} points is excluded for other objects" in said
-    assert f"above {100 * drawn:.1f} points for other classes" in said
+    assert f"by more than {100 * largest:.1f} points on other objects of these classes" in said
+    assert f"by more than {100 * drawn:.1f} points on other classes" in said
+    assert f"and behind in {len(salience.behind)}." in said
+    of_classes = verdict(kept.of("seeing"), "classes")
+    assert f"Counted for other classes, they are ahead in {len(of_classes.ahead)}." in said
+
+
+def test_the_answers_say_what_positions_and_imprints_give_by_themselves():
+    kept = pd.read_parquet(ROOT / "studies/cues/kept_paper.parquet")
+    setting = {
+        "tested": "new", "turns": "none", "frame": "full", "touches": 5, "pipeline": "order_free", "strategy": "fixation",
+    }  # fmt: skip
+    rows = kept[(kept[list(setting)] == pd.Series(setting)).all(axis=1)]
+    means = {
+        cue: 100 * (own["accuracy"] * own["weight"]).sum() / own["weight"].sum()
+        for cue, own in rows.groupby("cues")
+    }
+    said = " ".join(block("answers").split())
+    assert (
+        f"give {means['pose']:.1f} % in our pipeline, imprints only {means['imprint']:.1f} %"
+        in said
+    )
 
 
 def test_the_variants_are_those_of_the_study():
