@@ -106,7 +106,7 @@ def test_a_user_who_stops_a_job_while_its_script_imports_modules_sees_no_traceba
     kill = "import os, signal; os.kill(os.getpid(), signal.SIGINT)"
     for script in sorted((ROOT / "workflow/scripts").glob("*.py")):
         above = script.read_text().partition("# isort: split\n")[0]
-        assert "import visuohaptic_workflow.interruptible" in above, script
+        assert "import visuohaptic_workflow.start_of_job" in above, script
     ended = subprocess.run(
         [sys.executable, "-c", above + kill], check=False, env={"PYTHONPATH": PATHS},
         text=True, capture_output=True,

@@ -1,6 +1,6 @@
 """Write the authors and licences of the downloaded models."""
 
-import visuohaptic_workflow.interruptible  # noqa: F401 - before all imports that take time
+import visuohaptic_workflow.start_of_job  # noqa: F401 - before all imports that take time
 
 # isort: split
 from visuohaptic.meshes.catalogue import Credit, Model, write_credits

@@ -1,6 +1,6 @@
 """Download the models of the chosen set that are not in the repository."""
 
-import visuohaptic_workflow.interruptible  # noqa: F401 - before all imports that take time
+import visuohaptic_workflow.start_of_job  # noqa: F401 - before all imports that take time
 
 # isort: split
 from pathlib import Path

@@ -1,6 +1,6 @@
 """Compute features of the imprints of a block of objects and viewpoints."""
 
-import visuohaptic_workflow.interruptible  # noqa: F401 - before all imports that take time
+import visuohaptic_workflow.start_of_job  # noqa: F401 - before all imports that take time
 
 # isort: split
 from visuohaptic.features.describing import describe

@@ -1,6 +1,6 @@
 """Summarise a study: each condition's accuracy, and its difference to another condition."""
 
-import visuohaptic_workflow.interruptible  # noqa: F401 - before all imports that take time
+import visuohaptic_workflow.start_of_job  # noqa: F401 - before all imports that take time
 
 # isort: split
 from visuohaptic.recognition.parameters import IntervalParameters

@@ -1,6 +1,6 @@
 """Render views of a block of objects and viewpoints, and compute fixations."""
 
-import visuohaptic_workflow.interruptible  # noqa: F401 - before all imports that take time
+import visuohaptic_workflow.start_of_job  # noqa: F401 - before all imports that take time
 
 # isort: split
 from visuohaptic.fixations.object_views import look

@@ -1,6 +1,6 @@
 """Summarise the scores of all pipelines and strategies."""
 
-import visuohaptic_workflow.interruptible  # noqa: F401 - before all imports that take time
+import visuohaptic_workflow.start_of_job  # noqa: F401 - before all imports that take time
 
 # isort: split
 from visuohaptic.evaluation.metrics import make_metrics

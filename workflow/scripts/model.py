@@ -1,6 +1,6 @@
 """Fit the recognition model on all objects, and write it."""
 
-import visuohaptic_workflow.interruptible  # noqa: F401 - before all imports that take time
+import visuohaptic_workflow.start_of_job  # noqa: F401 - before all imports that take time
 
 # isort: split
 from visuohaptic.recognition.model_of_run import make_model

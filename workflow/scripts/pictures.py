@@ -1,6 +1,6 @@
 """Make the report's pictures of a block of objects."""
 
-import visuohaptic_workflow.interruptible  # noqa: F401 - before all imports that take time
+import visuohaptic_workflow.start_of_job  # noqa: F401 - before all imports that take time
 
 # isort: split
 from visuohaptic.geometry.surface import meshes_in

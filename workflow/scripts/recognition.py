@@ -1,6 +1,6 @@
 """Train and test a pipeline on the touches of each strategy."""
 
-import visuohaptic_workflow.interruptible  # noqa: F401 - before all imports that take time
+import visuohaptic_workflow.start_of_job  # noqa: F401 - before all imports that take time
 
 # isort: split
 from visuohaptic.recognition.files import make_scores

@@ -1,6 +1,6 @@
 """Touch a block of objects at the probing locations of a block of viewpoints, and where policies choose."""
 
-import visuohaptic_workflow.interruptible  # noqa: F401 - before all imports that take time
+import visuohaptic_workflow.start_of_job  # noqa: F401 - before all imports that take time
 
 # isort: split
 from visuohaptic.touches.acquiring import acquire_touches

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from importlib.util import find_spec
 
 from visuohaptic.base.errors import MissingPackageError
@@ -25,28 +24,3 @@ def missing_packages(extra: str, *packages: str) -> str | None:
         f"{names} {verb} not installed; "
         f"`pip install 'visuohaptic[{extra}]'` brings {'it' if verb == 'is' else 'them'}."
     )
-
-
-def keep_pandas_out() -> None:
-    """Make the first array of pyarrow without importing pandas, which saves 0.2 s per process.
-
-    Later imports of pandas work as usual.
-    """
-    if "pandas" in sys.modules:
-        return
-    import pyarrow as pa
-
-    sys.meta_path.insert(0, _NoPandas)
-    try:
-        pa.array([0])
-    finally:
-        sys.meta_path.remove(_NoPandas)
-
-
-class _NoPandas:
-    """A finder for `sys.meta_path` that raises `ModuleNotFoundError` for pandas."""
-
-    @staticmethod
-    def find_spec(name: str, *_: object) -> None:
-        if name == "pandas":
-            raise ModuleNotFoundError(name=name)

@@ -13,7 +13,7 @@ import typer
 
 from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.base.errors import MeshWarning, VisuohapticError
-from visuohaptic.base.optional_packages import keep_pandas_out
+from visuohaptic.base.quick_imports import keep_pandas_out, quick_imports
 from visuohaptic.cli.printing import (
     JsonOption,
     file_to_read,
@@ -349,7 +349,8 @@ def _load(
     front: str | None,
     unit: str | None = None,
 ) -> TouchableObject:
-    from visuohaptic.exploration.exploring import load
+    with quick_imports():
+        from visuohaptic.exploration.exploring import load
 
     with warnings.catch_warnings():
         # The command prints the warnings as lines.

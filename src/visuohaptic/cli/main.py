@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import sys
 from contextlib import suppress
 
 from visuohaptic.base.atomic_files import remove_unfinished
+from visuohaptic.base.quick_imports import quick_imports
 from visuohaptic.cli import DEBUG
 from visuohaptic.io.interrupts import end_at_interrupt
 
@@ -14,7 +16,11 @@ from visuohaptic.io.interrupts import end_at_interrupt
 def main() -> None:
     """Run the command and end the process; Ctrl-C ends the process with status 130."""
     end_at_interrupt(remove_unfinished)
-    run(sys.argv[1:])
+    try:
+        run(sys.argv[1:])
+    finally:
+        # The interpreter would look through all objects several times before it ends.
+        gc.freeze()
 
 
 def run(arguments: list[str]) -> None:
@@ -25,7 +31,8 @@ def run(arguments: list[str]) -> None:
     debug = DEBUG in arguments[: arguments.index("--")] if "--" in arguments else DEBUG in arguments
     if debug:
         arguments.remove(DEBUG)
-    from visuohaptic.cli.commands import app
+    with quick_imports():
+        from visuohaptic.cli.commands import app
     from visuohaptic.cli.printing import say_error
 
     try:

@@ -12,6 +12,7 @@ import typer
 
 from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.base.errors import LayoutWarning
+from visuohaptic.base.quick_imports import keep_pandas_out, quick_imports
 from visuohaptic.cli.printing import file_to_read, folder_to_write, say
 
 MOST_ALONG_EDGE = 1024
@@ -83,13 +84,15 @@ def press(
 
     Example: visuohaptic press mug.stl --poses poses.csv --layout dome --unit mm
     """
-    import numpy as np
+    with quick_imports():
+        import numpy as np
 
-    from visuohaptic.exploration.pose_files import read_poses
-    from visuohaptic.exploration.pressing import press as press_sensors
-    from visuohaptic.geometry.pads import PADS
-    from visuohaptic.io.layout_files import read_layout
-    from visuohaptic.meshes.model_files import read_mesh
+        from visuohaptic.exploration.pose_files import read_poses
+        from visuohaptic.exploration.pressing import press as press_sensors
+        from visuohaptic.geometry.pads import PADS
+        from visuohaptic.io.layout_files import read_layout
+        from visuohaptic.meshes.model_files import read_mesh
+    keep_pandas_out()
 
     surface = read_mesh(mesh)
     options: dict[str, Any] = {"depth": depth, "scene": scene, "unit": unit}

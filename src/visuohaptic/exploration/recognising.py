@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from visuohaptic.base.errors import RecognitionError
+from visuohaptic.base.quick_imports import quick_imports
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -80,7 +81,9 @@ def read_recogniser(path: str | Path | None = None) -> Recogniser:
         If the file is missing, is not a model that can be read safely, or lacks the parameters of the touches.
     """
     from visuohaptic.parameters import ExperimentParameters
-    from visuohaptic.recognition.stored_models import load_model
+
+    with quick_imports():
+        from visuohaptic.recognition.stored_models import load_model
 
     path = default_model() if path is None else Path(path)
     if path.is_dir():
@@ -133,7 +136,7 @@ def novelty_phrase(novelty_rank: float | None, compared: int | None) -> str | No
 
 def note_on_few_objects(answer: ModelAnswer) -> str | None:
     """Return a sentence that a model knows too few objects to call one unknown; None if it knows enough, or no scores."""
-    from visuohaptic.recognition.certainty import least_known_objects
+    from visuohaptic.recognition.parameters import least_known_objects
 
     compared, novelty_rank, coverage = answer.compared, answer.novelty_rank, answer.coverage
     if answer.unknown is not None or compared is None or novelty_rank is None or coverage is None:

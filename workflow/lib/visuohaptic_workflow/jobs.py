@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import os
 import shlex
@@ -18,7 +19,7 @@ import psutil
 
 from visuohaptic.base.atomic_files import storage_fault
 from visuohaptic.base.errors import VisuohapticError
-from visuohaptic.base.optional_packages import keep_pandas_out
+from visuohaptic.base.quick_imports import end_imports, keep_pandas_out
 from visuohaptic.io.interrupts import STOPPED
 from visuohaptic.io.job_logs import SECONDS, WARNING
 from visuohaptic_workflow.one_run import hold_job_lock
@@ -81,8 +82,11 @@ def job(snakemake: Any) -> Iterator[None]:
     the log also gets the traceback of an unexpected error. If the user stops the run, the process exits with status 130
     and prints nothing.
     """
-    if signal.getsignal(signal.SIGINT) == signal.SIG_DFL:  # by `interruptible`
+    if signal.getsignal(signal.SIGINT) == signal.SIG_DFL:  # by `start_of_job`
         signal.signal(signal.SIGINT, signal.default_int_handler)
+    end_imports()
+    # Neither the work nor the end of the process looks through the imported modules again.
+    gc.freeze()
     path = Path(snakemake.log[0])
     warnings = _Warnings()
     logging.getLogger().addHandler(warnings)
