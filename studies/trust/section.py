@@ -13,8 +13,7 @@ from trust.odd import odd_sentence
 from trust.study import STUDY
 from trust.tables import STATED_COVERAGES, TRUST
 from visuohaptic.evaluation.summary import select
-from visuohaptic.recognition.certainty import least_known_objects
-from visuohaptic.recognition.parameters import least_objects
+from visuohaptic.recognition.parameters import least_known_objects, least_objects
 from visuohaptic.report.drawing import COLOURS, style
 from visuohaptic.report.estimates import Row, read_json
 from visuohaptic.report.figures import draw_lines, label_axes, whole_percent

@@ -22,7 +22,7 @@ from visuohaptic.report.section import (
 )
 from visuohaptic.report.wording import POSES, counted, titled
 
-# Three sections show the leads, and their intervals take a second.
+# Three sections show the leads, and their intervals take time.
 _read_kept_leads = cache(read_kept_leads)
 
 

@@ -10,9 +10,8 @@ from visuohaptic.recognition.certainty import (
     Reference,
     fit_certainty,
     fit_reference,
-    least_known_objects,
 )
-from visuohaptic.recognition.parameters import least_objects
+from visuohaptic.recognition.parameters import least_known_objects, least_objects
 from visuohaptic.recognition.pipelines import (
     fit_calibrated,
     log_probabilities,

@@ -10,7 +10,6 @@ A view is one sequence of touches. Prepared descriptors are the output of all st
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -31,9 +30,6 @@ VIEW_COUNTS = (1, 2, 4, 8, 16)
 
 FOLDS = 10
 """Maximum number of folds of the training objects."""
-
-CONFIDENCE = 0.95
-"""Confidence of the bound on the share of known objects that lie beyond all training objects."""
 
 
 @dataclass(frozen=True)
@@ -180,17 +176,6 @@ class Certainty:
     def _index(self, views: int) -> int:
         """Return the index in `self.views` of a number of views, or of the next smaller number."""
         return max(int(np.searchsorted(self.views, views, side="right")) - 1, 0)
-
-
-def least_known_objects(coverage: float) -> int:
-    """Return the smallest number of training objects with which a new object can be called unknown.
-
-    Among objects of known classes, the share that lies beyond all n training objects is below 1 - coverage with
-    probability 1 - coverage ** n. The number is the smallest n for which this is at least `CONFIDENCE`: 29 for a
-    coverage of 0.9 (S. S. Wilks, "Determination of sample sizes for setting tolerance limits", Annals of Mathematical
-    Statistics 12, 1941).
-    """
-    return math.ceil(round(math.log(1 - CONFIDENCE) / math.log(coverage), 9))
 
 
 def fit_certainty(

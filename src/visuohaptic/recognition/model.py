@@ -19,12 +19,16 @@ from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.draw_names import draw_of
 from visuohaptic.base.errors import RecognitionError, TableError
 from visuohaptic.base.seeds import spawn_generator
-from visuohaptic.recognition.certainty import Certainty, fit_certainty, least_known_objects
+from visuohaptic.recognition.certainty import Certainty, fit_certainty
 from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
 from visuohaptic.recognition.experiment import one_thread, seeded
 from visuohaptic.recognition.frames import WaveBasis
-from visuohaptic.recognition.parameters import ROLLING_FRAMES, RecognitionParameters
+from visuohaptic.recognition.parameters import (
+    ROLLING_FRAMES,
+    RecognitionParameters,
+    least_known_objects,
+)
 from visuohaptic.recognition.pipelines import (
     fit_calibrated,
     log_probabilities,
@@ -61,7 +65,7 @@ class ModelAnswer:
         Share of objects with a lower novelty, among the n training objects and this object: in [0, n / (n + 1)].
     unknown : bool, optional
         Whether the novelty_rank is at least `coverage`, so that the object seems to be of no known class. Also None if
-        n is below `certainty.least_known_objects`.
+        n is below `parameters.least_known_objects`.
     coverage : float, optional
         Stated smallest share of objects of known classes with their class in `candidates`, in (0, 1).
     compared : int, optional

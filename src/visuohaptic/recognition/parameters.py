@@ -39,6 +39,9 @@ ExtensionMode = Literal[
 
 Scaling = Literal["standardise", "none"]
 
+CONFIDENCE = 0.95
+"""Confidence of the bound on the share of known objects that lie beyond all training objects."""
+
 
 Protocol = Literal["auto", "leave_one_object_a_class_out", "grouped_folds", "new_viewpoint"]
 
@@ -264,3 +267,14 @@ class RecognitionParameters(Section):
 def least_objects(coverage: float) -> int:
     """Return the smallest number of training objects for which a prediction set of this coverage can exclude a class."""
     return math.ceil(round(coverage / (1 - coverage), 9))
+
+
+def least_known_objects(coverage: float) -> int:
+    """Return the smallest number of training objects with which a new object can be called unknown.
+
+    Among objects of known classes, the share that lies beyond all n training objects is below 1 - coverage with
+    probability 1 - coverage ** n. The number is the smallest n for which this is at least `CONFIDENCE`: 29 for a
+    coverage of 0.9 (S. S. Wilks, "Determination of sample sizes for setting tolerance limits", Annals of Mathematical
+    Statistics 12, 1941).
+    """
+    return math.ceil(round(math.log(1 - CONFIDENCE) / math.log(coverage), 9))
