@@ -105,6 +105,19 @@ def variants_figures(
     }
 
 
+def variants_sentences(
+    measured: MeasuredVariants, outside: MeasuredVariants | None, classifier: str
+) -> list[str]:
+    """Return the sentences of the page on a classifier; none if no variant with the classifier could be run."""
+    summary = summarise_variants(measured.rows)
+    if classifier not in summary["classifiers"]:
+        return []
+    return [
+        *_sentences(summary, classifier),
+        *(_outside_sentences(outside.rows) if outside else ()),
+    ]
+
+
 def outside_figures(rows: Sequence[Row], outside: MeasuredVariants) -> Figures:
     """Return the leads of fixation on the paper's set, `rows`, beside the leads on other objects, `outside`.
 
@@ -126,19 +139,22 @@ def outside_figures(rows: Sequence[Row], outside: MeasuredVariants) -> Figures:
         }
         for (choice, option), lead in there.items()
     ]
-    objects = max(row["objects"] or 0 for row in outside.rows)
     return {
-        "sentences": list(_outside_sentences(outside.rows, objects)),
+        "sentences": list(_outside_sentences(outside.rows)),
         "options": options,
-        "objects": objects,
+        "objects": _most_objects(outside.rows),
         "source": outside.source,
     }
 
 
-def _outside_sentences(rows: Sequence[Row], objects: int) -> Iterator[str]:
+def _most_objects(rows: Sequence[Row]) -> int:
+    return max(row["objects"] or 0 for row in rows)
+
+
+def _outside_sentences(rows: Sequence[Row]) -> Iterator[str]:
     total = sum_up([row for row in against_main(rows) if row["ahead"] is not None])
     yield (
-        f"On {objects} objects outside the paper's set, fixation is ahead of random probing in "
+        f"On {_most_objects(rows)} objects outside the paper's set, fixation is ahead of random probing in "
         f"{total.ahead} of {total.cases} cases (a variant with one classifier), in "
         f"{total.ahead_singly} with p below 0.05, each case tested by itself; it is behind with p below 0.05 in "
         f"{total.behind_singly}. The median lead is {points(total.middle)} points."

@@ -12,7 +12,7 @@ from variants.choices import BEST_OF_PAPER, BY_NAME
 from variants.design import is_literal
 from variants.kept import OUTSIDE, PAPER_SET, MeasuredVariants, kept_variants
 from variants.leads import count_after_holm, sum_up
-from variants.page import variants_figures
+from variants.page import variants_sentences
 from variants.result import Changed, Lead, Spread, VariantsSummary
 from variants.verdicts import lead_evidence, of_papers_question, verdict
 from variants.weighing import summarise_variants, variant_figures
@@ -44,13 +44,11 @@ def summarise(measured: MeasuredVariants, outside: MeasuredVariants | None) -> V
     """Return the summary of the variants on the paper's set, `measured`, and on objects outside of it."""
     sets = {"paper": measured, **({"outside": outside} if outside else {})}
     tables = {name: of_set.rows for name, of_set in sets.items()}
-    figures = variants_figures(measured, outside, (BEST_OF_PAPER,))
-    shown = [block for block in (figures, figures and figures["outside"]) if block]
     return VariantsSummary(
         verdict=verdict(lead_evidence(tables, BEST_OF_PAPER)),
         spread=tuple(spread for rows in tables.values() for spread in _spread(rows)),
         leads=tuple(lead for of_set in sets.values() for lead in _main_leads(of_set)),
-        sentences=tuple(sentence for block in shown for sentence in block["sentences"]),
+        sentences=tuple(variants_sentences(measured, outside, BEST_OF_PAPER)),
         literal=_literal(measured.rows),
         changed=_changed(json.loads(CHOSEN_AGAIN.read_text(encoding="utf-8"))),
         source=measured.source,
