@@ -113,14 +113,19 @@ def view_influence(
         return colour_views(caster, cameras, hits, rendering, modes)
 
     always = Scene().with_effects("always").effects
-    first = [render(modes).effects, render(always).effects]
+    as_given, as_always = render(modes), render(always)
     seconds, seconds_always = _median_seconds(
-        first, lambda _: render(modes).effects, lambda _: render(always).effects
+        [as_given.effects, as_always.effects],
+        lambda _: render(modes).effects,
+        lambda _: render(always).effects,
     )
     rows = []
     for effect in VISUAL_EFFECTS:
         on, off, forced = (
-            render(modes.model_copy(update={effect: mode})) for mode in ("auto", "never", "always")
+            as_given
+            if getattr(modes, effect) == mode
+            else render(modes.model_copy(update={effect: mode}))
+            for mode in ("auto", "never", "always")
         )
         (needed,) = (record.needed for record in on.effects if record.effect == effect)
         change = np.abs(on.colour - off.colour)[on.mask]
