@@ -1,11 +1,15 @@
 """Shared by all rules: parameters, objects, blocks of objects and viewpoints, and inputs of jobs."""
 
 import atexit
+import gc
 import json
 import os
 import sys
 from functools import cache, partial
 from pathlib import Path
+
+# Neither collections of garbage nor the end of the process look through Snakemake's modules again.
+gc.freeze()
 
 # Whether this process plans the run. Jobs on other machines parse this file too, but use the plan of the run.
 IS_PLANNER = workflow.is_main_process
