@@ -46,6 +46,9 @@ def test_a_folder_of_parts_reads_as_one_table_sorted_by_its_keys(tmp_path):
     whole = pa.concat_tables([parts[1], parts[2], parts[0]])
     for files in (tmp_path, paths, paths[::-1]):
         assert read_table(FIXATIONS, files).equals(whole)
+        chosen = whole.select([*FIXATIONS.keys, "x", "saliency"])
+        assert read_table(FIXATIONS, files, ["saliency", "x"]).equals(chosen)
+    assert read_table(FIXATIONS, tmp_path, []).column_names == [*FIXATIONS.keys]
     frame = pd.read_parquet(tmp_path)
     assert len(frame) == 15
     assert tuple(frame.columns[:5]) == FIXATIONS.keys

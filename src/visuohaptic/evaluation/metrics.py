@@ -65,7 +65,8 @@ def make_metrics(
     predicted = read_table(PREDICTIONS, predictions)
     further = read_table(STUDY, drawn) if drawn else None
     summary = summarise(read_table(SCORES, scores), predicted, intervals, further)
-    own = count_own_fixations(read_table(TOUCHES, touches), read_table(VIEWS, views), fixations)
+    touched, seen = read_table(TOUCHES, touches, ["rank"]), read_table(VIEWS, views, [])
+    own = count_own_fixations(touched, seen, fixations)
     summary = round_numbers({**summary, "own_fixations": None if own is None else asdict(own)})
     text = json.dumps({**summary, "parameters": parameters}, indent=2, sort_keys=True) + "\n"
     atomic_write_text(metrics, text)

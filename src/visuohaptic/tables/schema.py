@@ -7,7 +7,7 @@ is written, and is written whole or not at all.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -223,7 +223,11 @@ def write_table(schema: Schema, table: pa.Table, path: str | Path) -> None:
         pq.write_table(table, unfinished, compression="zstd")
 
 
-def read_table(schema: Schema, paths: str | Path | Sequence[str | Path]) -> pa.Table:
+def read_table(
+    schema: Schema,
+    paths: str | Path | Sequence[str | Path],
+    columns: Sequence[str] | None = None,
+) -> pa.Table:
     """Read and check a table, and return it sorted by its keys.
 
     Parameters
@@ -233,6 +237,8 @@ def read_table(schema: Schema, paths: str | Path | Sequence[str | Path]) -> pa.T
     paths : path or sequence of paths
         Files and folders, in any order. Of a folder, each ``*.parquet`` file is read, at any depth; files with names
         that begin with ``.`` or ``_`` are skipped.
+    columns : sequence of str, optional
+        Names of the columns to read beside the key columns; all by default. Other columns take no memory.
 
     Raises
     ------
@@ -244,8 +250,12 @@ def read_table(schema: Schema, paths: str | Path | Sequence[str | Path]) -> pa.T
         raise TableError(
             f"table {schema.name}: no Parquet file at {paths}; run the workflow first."
         )
-    table = join_parts(schema, [_read_part(schema, file) for file in files])
-    check_table(schema, table)
+    chosen = schema
+    if columns is not None:
+        others = tuple(column for column in schema.other_columns if column.name in columns)
+        chosen = replace(schema, other_columns=others)
+    table = join_parts(chosen, [_read_part(schema, file, chosen) for file in files])
+    check_table(chosen, table)
     return table
 
 
@@ -490,8 +500,8 @@ def open_parquet(file: str | Path) -> pq.ParquetFile:
     return opened
 
 
-def _read_part(schema: Schema, file: Path) -> pa.Table:
-    """Read one file of a table, with the types of the schema."""
+def _read_part(schema: Schema, file: Path, chosen: Schema) -> pa.Table:
+    """Read the columns of `chosen` from one file of a table, with the types of the schema."""
     opened = open_parquet(file)
     # Columns that the table does not have must not take memory.
     if opened.schema_arrow.names != schema.arrow.names:
@@ -501,7 +511,8 @@ def _read_part(schema: Schema, file: Path) -> pa.Table:
     texts = [field.name for field in opened.schema_arrow if _is_text(field.type)]
     try:
         # Repeated texts stay single in memory until their size is known.
-        part = pq.ParquetFile(file, metadata=opened.metadata, read_dictionary=texts).read()
+        parquet = pq.ParquetFile(file, metadata=opened.metadata, read_dictionary=texts)
+        part = parquet.read(columns=list(names_of(chosen.columns)))
     except (OSError, pa.ArrowException) as error:
         raise TableError(f"{file} can't be read as Parquet: {_one_line(error)}.") from error
     size = sum(map(_text_bytes, part.columns))
@@ -509,7 +520,7 @@ def _read_part(schema: Schema, file: Path) -> pa.Table:
         raise TableError(
             f"{file} has texts of {size / 1e6:.0f} MB; {MOST_TEXT_BYTES / 1e6:.0f} MB are allowed."
         )
-    return known_columns(schema, part)
+    return known_columns(chosen, part)
 
 
 def _is_text(dtype: pa.DataType) -> bool:
