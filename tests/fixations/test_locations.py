@@ -1,7 +1,6 @@
 """Every strategy gives locations on the surface, outwards, the same whatever else is asked for."""
 
 import numpy as np
-import pyarrow as pa
 import pyarrow.compute as pc
 import pytest
 import trimesh
@@ -53,8 +52,7 @@ def places_of(table):
 
 @pytest.mark.parametrize("strategy", PLANNED.names)
 def test_locations_lie_on_their_faces_and_face_outwards(caster, looks, strategy):
-    parts = [locate(one, strategy, ATTENTION, 3) for one in looks]
-    table = pa.concat_tables(parts).combine_chunks()
+    table = locate(looks, [strategy], ATTENTION, 3)
     check_table(FIXATIONS, table)
     asked = table.filter(pc.less(table.column("touch"), ATTENTION.fixations))
     assert asked.num_rows == 18
@@ -76,10 +74,10 @@ def test_locations_lie_on_their_faces_and_face_outwards(caster, looks, strategy)
 def test_locations_depend_on_their_own_viewpoint_alone_and_fewer_are_the_first_of_more(
     caster, looks, strategy
 ):
-    many = locate(looks[1], strategy, ATTENTION, 3)
-    assert many.equals(locate(sight_of(caster, (1,)).attended_views[0], strategy, ATTENTION, 3))
+    many = locate([looks[1]], [strategy], ATTENTION, 3)
+    assert many.equals(locate(sight_of(caster, (1,)).attended_views, [strategy], ATTENTION, 3))
     shorter = AttentionParameters(fixations=3)
-    few = locate(sight_of(caster, (1,), shorter).attended_views[0], strategy, shorter, 3)
+    few = locate(sight_of(caster, (1,), shorter).attended_views, [strategy], shorter, 3)
     assert few.num_rows > 3
     assert few.equals(many.slice(0, 3 + SPARE))
 
@@ -87,7 +85,7 @@ def test_locations_depend_on_their_own_viewpoint_alone_and_fewer_are_the_first_o
 @pytest.mark.parametrize("strategy", [*PLANNED], ids=lambda strategy: strategy.name)
 def test_places_change_with_seed_viewpoint_and_view_as_their_entry_says(looks, strategy):
     first, seeded, other = (
-        locate(looks[place], strategy.name, ATTENTION, seed)
+        locate([looks[place]], [strategy.name], ATTENTION, seed)
         for place, seed in ((0, 3), (0, 4), (1, 3))
     )
     assert first.equals(seeded) != strategy.random
@@ -96,9 +94,9 @@ def test_places_change_with_seed_viewpoint_and_view_as_their_entry_says(looks, s
     blind = Viewpoint(one.key, one.number, one.caster, one.camera)
     if strategy.needs_view:
         with pytest.raises(AttributeError, match="Viewpoint"):
-            locate(blind, strategy.name, ATTENTION, 3)
+            locate([blind], [strategy.name], ATTENTION, 3)
     else:
-        assert locate(blind, strategy.name, ATTENTION, 3).equals(first)
+        assert locate([blind], [strategy.name], ATTENTION, 3).equals(first)
 
 
 def test_no_view_is_rendered_for_strategies_that_need_none(caster):
@@ -112,8 +110,10 @@ def test_random_probing_draws_by_area_and_random_probing_anywhere_the_same(caste
     """Earlier figures come from these draws, by a generator named random."""
     one = looks[1]
     generator = spawn_generator(3, "random", "box/brick", 1)
-    expected = face_outwards(caster, draw_by_area(caster.surface, 6, generator))
-    reached, anywhere = (locate(one, name, ATTENTION, 3) for name in ("random", "random_anywhere"))
+    (expected,) = face_outwards(caster, [draw_by_area(caster.surface, 6, generator)])
+    reached, anywhere = (
+        locate([one], [name], ATTENTION, 3) for name in ("random", "random_anywhere")
+    )
     table = anywhere.slice(0, 6)
     points, normals = places_of(table)
     np.testing.assert_array_equal(points, expected.points)
@@ -127,7 +127,7 @@ def test_random_probing_draws_by_area_and_random_probing_anywhere_the_same(caste
 
 def test_the_most_curved_places_of_a_box_are_its_edges(looks):
     for one in looks:
-        points = next(places_of(locate(one, "curvature", ATTENTION, 3)))[:6]
+        points = next(places_of(locate([one], ["curvature"], ATTENTION, 3)))[:6]
         at_border = np.sum(np.abs(np.abs(points) - [0.6, 0.4, 0.3]) < 0.05, axis=1)
         assert (at_border >= 2).all()
         apart = np.linalg.norm(points[:, None] - points, axis=2) + 9 * np.eye(len(points))
@@ -137,7 +137,7 @@ def test_the_most_curved_places_of_a_box_are_its_edges(looks):
 def test_a_surface_without_curvature_has_places_too():
     flat = build_plain_surface([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], [[0, 1, 2]])
     one = sight_of(RayCaster(flat), block=(0,)).attended_views[0]
-    assert locate(one, "curvature", ATTENTION, 3).num_rows >= 6
+    assert locate([one], ["curvature"], ATTENTION, 3).num_rows >= 6
 
 
 def test_candidates_are_what_the_viewpoint_sees(caster, looks):
@@ -153,7 +153,7 @@ def test_candidates_are_what_the_viewpoint_sees(caster, looks):
 @pytest.mark.parametrize("strategy", [one.name for one in PLANNED if one.random])
 def test_a_draw_has_its_own_places_and_its_own_name_in_every_generator(caster, looks, strategy):
     first, *further = (
-        locate(looks[0], name, ATTENTION, 3)
+        locate([looks[0]], [name], ATTENTION, 3)
         for name in (strategy, f"{strategy}#1", f"{strategy}#2")
     )
     points = [matrix(table, ("x", "y", "z")) for table in (first, *further)]
@@ -171,12 +171,12 @@ def test_a_draw_has_its_own_places_and_its_own_name_in_every_generator(caster, l
 
 def test_the_first_draw_is_drawn_as_it_was_before_there_were_draws(caster, looks):
     generator = spawn_generator(3, "random", "box/brick", 0)
-    expected = face_outwards(caster, draw_by_area(caster.surface, 6 + SPARE, generator))
-    found = locate(looks[0], "random", ATTENTION, 3)
+    (expected,) = face_outwards(caster, [draw_by_area(caster.surface, 6 + SPARE, generator)])
+    found = locate([looks[0]], ["random"], ATTENTION, 3)
     np.testing.assert_array_equal(matrix(found, ("x", "y", "z")), expected.points)
     again = spawn_generator(3, "random#2", "box/brick", 0)
-    expected = face_outwards(caster, draw_by_area(caster.surface, 6 + SPARE, again))
-    found = locate(looks[0], "random#2", ATTENTION, 3)
+    (expected,) = face_outwards(caster, [draw_by_area(caster.surface, 6 + SPARE, again)])
+    found = locate([looks[0]], ["random#2"], ATTENTION, 3)
     np.testing.assert_array_equal(matrix(found, ("x", "y", "z")), expected.points)
 
 
@@ -185,4 +185,4 @@ def test_the_first_draw_is_drawn_as_it_was_before_there_were_draws(caster, looks
 )
 def test_what_is_no_draw_of_a_random_strategy_is_refused(looks, name):
     with pytest.raises(RegistryError, match="is no"):
-        locate(looks[0], name, ATTENTION, 3)
+        locate([looks[0]], [name], ATTENTION, 3)

@@ -21,7 +21,7 @@ def located(*reached, strategy="fixation"):
         points[:, 0] = [0.5 if letter == "o" else -0.5 for letter in letters]
         normals = np.tile([0.0, 0.0, 1.0], (len(letters), 1))
         places = ProbingLocations(points, normals, np.zeros(len(letters), dtype=np.int64))
-        parts.append(location_table("a/b", viewpoint, strategy, places))
+        parts.append(location_table("a/b", {(viewpoint, strategy): places}))
     return pa.concat_tables(parts).combine_chunks()
 
 

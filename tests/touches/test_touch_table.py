@@ -29,7 +29,7 @@ def touched(**sensor):
     points = np.array([[0.1, 0.5, 0.0], [-0.2, 0.5, 0.1]])
     caster = RayCaster(surface)
     _, faces = caster.nearest(points)
-    locations = location_table("a/b", 0, "fixation", ProbingLocations(points, TILTED, faces))
+    locations = location_table("a/b", {(0, "fixation"): ProbingLocations(points, TILTED, faces)})
     parameters = SensorParameters(resolution=8, **sensor)
     return points, touch_part(caster, locations, parameters, Scene(), 1, np.array([3, 5])).touches
 

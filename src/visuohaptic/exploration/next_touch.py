@@ -62,7 +62,7 @@ def touch_next_point(
     normals = None if normal is None else _as_row(normal, "normal")
     locations, chosen = nearest_locations(caster, _as_row(point, "point"), normals, parameters)
     number = np.array([known["touches"].num_rows])
-    located = with_touch_numbers(location_table(key, 0, GIVEN, locations), number)
+    located = with_touch_numbers(location_table(key, {(0, GIVEN): locations}), number)
     acquired = bool(in_reach(caster, located, chosen.sensor)[0])
     touches, records = touch_part(caster, located, chosen.sensor, chosen.scene, chosen.seed)
     touched = time.perf_counter()

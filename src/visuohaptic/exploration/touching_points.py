@@ -65,7 +65,7 @@ def touch_given_points(
     """
     subject = Subject(key, lambda: RayCaster(surface))
     locations, parameters = nearest_locations(subject.caster, at, normals, parameters)
-    fixations = location_table(key, 0, GIVEN, locations)
+    fixations = location_table(key, {(0, GIVEN): locations})
     return _explore([subject], touch_all_locations(parameters, fixations), {"fixations": fixations})
 
 

@@ -23,7 +23,7 @@ from visuohaptic.geometry.subject import Subject
 from visuohaptic.scene.effect_log import effect_table
 from visuohaptic.scene.parameters import VisualModes
 from visuohaptic.scene.records import EffectRecord, merge_records
-from visuohaptic.tables.phases import FIXATIONS, VIEWS, owner_columns
+from visuohaptic.tables.phases import VIEWS, owner_columns
 from visuohaptic.tables.schema import build_table
 
 MAP_PIXELS = 64
@@ -106,12 +106,7 @@ class ObjectViews:
         are in the order of viewpoints, then strategies. Raises `RegistryError` if a name is unknown, or the name of a
         policy.
         """
-        tables = [
-            locate(viewpoint, strategy, self.attention, self.seed)
-            for viewpoint in self.strategy_inputs
-            for strategy in self.strategies
-        ]
-        return pa.concat_tables([FIXATIONS.arrow.empty_table(), *tables]).combine_chunks()
+        return locate(self.strategy_inputs, self.strategies, self.attention, self.seed)
 
     @property
     def effects(self) -> pa.Table:

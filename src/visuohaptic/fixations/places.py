@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -51,22 +52,27 @@ class ProbingLocations:
         Unit normals of the surface there.
     faces : ndarray of shape (n,), int64
         The face of each point.
+    is_turned : bool
+        Whether the normals point out of the object or towards a camera, not to an arbitrary side.
     """
 
     points: FloatArray
     normals: FloatArray
     faces: IntArray
+    is_turned: bool = True
 
     def take(self, indices: IntArray) -> ProbingLocations:
         """Return the locations at `indices`, in that order."""
-        return ProbingLocations(self.points[indices], self.normals[indices], self.faces[indices])
+        points, normals, faces = self.points[indices], self.normals[indices], self.faces[indices]
+        return ProbingLocations(points, normals, faces, self.is_turned)
 
 
 def draw_by_area(surface: Surface, count: int, generator: np.random.Generator) -> ProbingLocations:
     """Draw points uniformly by area over a surface, including hidden parts.
 
     A smaller `count` returns a prefix of the same points. A triangle is drawn by its share of the area, a point in
-    the triangle by the square-root map of the unit square (Osada et al., ACM Trans. Graph. 21(4), 2002, eq. 1).
+    the triangle by the square-root map of the unit square (Osada et al., ACM Trans. Graph. 21(4), 2002, eq. 1). The
+    normals are those of the faces, which are not turned.
     """
     cumulative = np.cumsum(surface.face_areas)
     drawn, outer, along = generator.random((count, 3)).T
@@ -75,7 +81,7 @@ def draw_by_area(surface: Surface, count: int, generator: np.random.Generator) -
     root = np.sqrt(outer)
     weights = np.column_stack([1 - root, root * (1 - along), root * along])
     points = np.einsum("nc,nck->nk", weights, surface.triangles[faces])
-    return ProbingLocations(points, surface.face_normals[faces], faces)
+    return ProbingLocations(points, surface.face_normals[faces], faces, is_turned=False)
 
 
 def is_visible(caster: RayCaster, camera: Camera, points: FloatArray) -> BoolArray:
@@ -103,10 +109,19 @@ def turn_towards(locations: ProbingLocations, camera: Camera) -> ProbingLocation
     return ProbingLocations(locations.points, normals, locations.faces)
 
 
-def face_outwards(caster: RayCaster, locations: ProbingLocations) -> ProbingLocations:
-    """Flip normals that point into the object."""
-    outwards = orient_outwards(caster, locations.points, locations.normals)
-    return ProbingLocations(locations.points, outwards, locations.faces)
+def face_outwards(caster: RayCaster, parts: Sequence[ProbingLocations]) -> list[ProbingLocations]:
+    """Flip normals that point into the object. Rays of all parts are cast together; no result depends on another."""
+    if not parts:
+        return []
+    points, normals = (
+        np.concatenate([getattr(part, name) for part in parts]) for name in ("points", "normals")
+    )
+    ends = np.cumsum([len(part.faces) for part in parts])
+    outwards = np.split(orient_outwards(caster, points, normals), ends[:-1])
+    return [
+        ProbingLocations(part.points, turned, part.faces)
+        for part, turned in zip(parts, outwards, strict=True)
+    ]
 
 
 def nearest_places(caster: RayCaster, points: FloatArray) -> ProbingLocations:

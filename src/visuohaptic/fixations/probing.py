@@ -34,8 +34,9 @@ class Strategy:
     choose : callable
         ``choose(viewpoint, attention, generator)`` takes a `Viewpoint`, `AttentionParameters` and a
         `numpy.random.Generator`. It returns at most `attention.fixations` locations in the order of touching: a
-        `Scanpath`, or `ProbingLocations` with normals out of the object or towards the camera. With the same
-        generator state, a smaller number of fixations must return the first of the same locations.
+        `Scanpath`, or `ProbingLocations`. Their normals point out of the object or towards the camera, unless
+        `is_turned` is False: such normals are turned out of the object afterwards. With the same generator state, a
+        smaller number of fixations must return the first of the same locations.
     random : bool
         Whether the generator changes the locations.
     needs_view : bool

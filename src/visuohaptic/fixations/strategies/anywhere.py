@@ -6,12 +6,11 @@ import numpy as np
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.fixations.attended_views import Viewpoint
-from visuohaptic.fixations.places import ProbingLocations, draw_by_area, face_outwards
+from visuohaptic.fixations.places import ProbingLocations, draw_by_area
 
 
 def choose(
     viewpoint: Viewpoint, attention: AttentionParameters, generator: np.random.Generator
 ) -> ProbingLocations:
     """Draw locations over the whole surface, including hidden parts."""
-    drawn = draw_by_area(viewpoint.caster.surface, attention.fixations, generator)
-    return face_outwards(viewpoint.caster, drawn)
+    return draw_by_area(viewpoint.caster.surface, attention.fixations, generator)

@@ -7,7 +7,7 @@ import numpy as np
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.fixations.attended_views import Viewpoint
-from visuohaptic.fixations.places import ProbingLocations, draw_by_area, face_outwards
+from visuohaptic.fixations.places import ProbingLocations, draw_by_area
 from visuohaptic.geometry.surface import Surface
 
 CANDIDATES = 4096
@@ -18,8 +18,7 @@ def choose(
     viewpoint: Viewpoint, attention: AttentionParameters, generator: np.random.Generator
 ) -> ProbingLocations:
     """Spread locations over the whole surface."""
-    spread = spread_far(viewpoint.caster.surface, attention.fixations, generator)
-    return face_outwards(viewpoint.caster, spread)
+    return spread_far(viewpoint.caster.surface, attention.fixations, generator)
 
 
 def spread_far(surface: Surface, count: int, generator: np.random.Generator) -> ProbingLocations:

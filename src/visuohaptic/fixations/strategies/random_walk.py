@@ -87,7 +87,7 @@ Location = tuple[Vector, Vector, int]
 
 def _first(caster: RayCaster, generator: np.random.Generator) -> Location | None:
     for _ in range(FRUITLESS_BATCHES):
-        drawn = face_outwards(caster, draw_by_area(caster.surface, BATCH, generator))
+        (drawn,) = face_outwards(caster, [draw_by_area(caster.surface, BATCH, generator)])
         free = np.flatnonzero(_is_open(caster, drawn.points, drawn.normals))
         if len(free):
             row = free[0]
