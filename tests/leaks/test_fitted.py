@@ -25,7 +25,10 @@ CLASSIFYING = [
     type(CLASSIFIERS[name].make(PARAMETERS.classifier))
     for name in PARAMETERS.order_free.classifiers
 ]
-FITTING = [(SequenceEncoder, "fit"), (Pipeline, "fit"), *((kind, "fit") for kind in CLASSIFYING)]
+FITTING = [
+    (SequenceEncoder, "fit_transform"),
+    *((kind, "fit") for kind in (Pipeline, *CLASSIFYING)),
+]
 
 
 def changed(split, change):
@@ -51,7 +54,7 @@ def everything_fitted(pipeline, sequences, split, monkeypatch):
     def catching(function):
         def wrapper(*values):
             result = function(*values)
-            caught.extend(arrays_of(result))
+            caught.extend(arrays_of(values[0]))
             return result
 
         return wrapper

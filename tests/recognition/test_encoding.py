@@ -3,6 +3,7 @@
 from copy import copy
 
 import numpy as np
+import pytest
 
 from visuohaptic.recognition.encoding import SequenceEncoder
 from visuohaptic.recognition.maps import FeatureGroups
@@ -65,3 +66,12 @@ def test_touches_that_differ_keep_every_digit():
     # As one product of all touches: a BLAS may round a product a sequence otherwise.
     plain = fitted.touch_scaling_.apply(SEQUENCES.reshape(-1, 6)) @ fitted.reduction_.weights
     assert np.array_equal(fitted.reduce(SEQUENCES).reshape(len(plain), -1), plain)
+
+
+@pytest.mark.parametrize("scaling", ["standardise", "none"])
+def test_training_sequences_are_encoded_in_the_fit_as_afterwards(scaling):
+    values = np.random.default_rng(0).normal(size=(24, 5, 22))
+    encoder = SequenceEncoder(RecognitionParameters(sequence_scaling=scaling))
+    found = encoder.fit_transform(values)
+    assert np.array_equal(found, encoder.transform(values))
+    assert np.array_equal(found, SequenceEncoder(encoder.parameters).fit(values).transform(values))

@@ -53,6 +53,7 @@ from visuohaptic.recognition.experiment import (
     seeded,
 )
 from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
+from visuohaptic.recognition.pipelines import fit_preparation
 from visuohaptic.recognition.sequences import take_strategy
 from visuohaptic.recognition.splits import Split
 from visuohaptic.tables.schema import Schema, read_table, take_table
@@ -352,8 +353,8 @@ def _test_split(prepared: Prepared, split: Split, seed: int, estimator_text: str
     train = prepared.rows[split.train]
     started = _clock()
     try:
-        preparation = seeded(clone(pipeline.preparation), generator).fit(train)
-        train = preparation.transform(train)
+        preparation = seeded(clone(pipeline.preparation), generator)
+        train = fit_preparation(preparation, train)
         ((name, own_seed),) = pipeline.seeds(generator).items()
         model = _seeded_deeply(clone(pipeline.classifiers[name]), own_seed)
         routed = _routes_groups(model)

@@ -68,6 +68,16 @@ class SequenceEncoder(TransformerMixin, BaseEstimator):  # type: ignore[misc]
 
         Raises `RecognitionError` if no feature varies over the touches, or if the map can't be fitted.
         """
+        self._fit(X)
+        return self
+
+    def fit_transform(self, X: FloatArray, y: object = None) -> FloatArray:  # noqa: ARG002
+        """Fit as `fit` does, and return the scaled features of the same sequences as `transform` does, computed once."""
+        features = self._fit(X)
+        return self.feature_scaling_.apply(features)
+
+    def _fit(self, X: FloatArray) -> FloatArray:
+        """Fit on sequences (s, t, k), and return their features before scaling."""
         touches = X.reshape(-1, X.shape[-1])
         if not np.ptp(touches, axis=0).any():
             raise RecognitionError(
@@ -86,7 +96,7 @@ class SequenceEncoder(TransformerMixin, BaseEstimator):  # type: ignore[misc]
         # A skewness has no unit, so that skewnesses near 0 are rounding. Deviation and rms have a unit.
         input_size = np.tile([0.0, 0.0, 1.0], features.shape[1] // 3)
         self.feature_scaling_ = fit_standardiser(features, parameters.sequence_scaling, input_size)
-        return self
+        return features
 
     def transform(self, X: FloatArray) -> FloatArray:
         """Compute the scaled features of sequences: (s, t, k) to (s, m * (1 + levels) * 3)."""

@@ -22,6 +22,7 @@ from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.pipelines import (
     RecognitionPipeline,
+    fit_preparation,
     pipeline_of,
     pooled_log_probabilities,
 )
@@ -109,8 +110,9 @@ def predict_split(
     predictions: list[SplitPrediction] = []
     failure: Exception | None = None
     generator = spawn_generator(seed, "recognition", pipeline.name, split.repeat, split.number)
-    preparation = seeded(clone(pipeline.preparation), generator).fit(rows[split.train])
-    train, test = (preparation.transform(rows[indices]) for indices in (split.train, split.test))
+    preparation = seeded(clone(pipeline.preparation), generator)
+    train = fit_preparation(preparation, rows[split.train])
+    test = preparation.transform(rows[split.test])
     for name, own_seed in pipeline.seeds(generator).items():
         try:
             model = seeded(clone(pipeline.classifiers[name]), own_seed).fit(train, labels)

@@ -31,6 +31,7 @@ from visuohaptic.recognition.parameters import (
 )
 from visuohaptic.recognition.pipelines import (
     fit_calibrated,
+    fit_preparation,
     log_probabilities,
     pipeline_of,
     pooled_log_probabilities,
@@ -321,10 +322,10 @@ def fit_model(
     generator = spawn_generator(seed, "recognition", "model", pipeline)
 
     def fit(rows: FloatArray, labels: IntArray, owners: IntArray) -> Pipeline:
-        preparation = seeded(clone(parts.preparation), generator).fit(rows, labels)
+        preparation = seeded(clone(parts.preparation), generator)
+        prepared = fit_preparation(preparation, rows)
         (own_seed,) = parts.seeds(generator).values()
         model = seeded(clone(parts.classifiers[classifier]), own_seed)
-        prepared = preparation.transform(rows)
         fitted = (
             fit_calibrated(model, prepared, labels, owners)
             if has_probabilities

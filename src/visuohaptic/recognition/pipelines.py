@@ -194,6 +194,14 @@ def make_order_free(classifier: str = "linear_discriminant") -> Pipeline:
     )
 
 
+def fit_preparation(preparation: Any, rows: Any) -> Any:
+    """Fit a preparation on rows of training sequences, and return these rows as its `transform` prepares them."""
+    if isinstance(preparation, SequenceEncoder):
+        return preparation.fit_transform(rows)
+    # The `fit_transform` of scikit-learn's rotation has other bits than its `transform`.
+    return preparation.fit(rows).transform(rows)
+
+
 def fit_calibrated(classifier: Any, rows: FloatArray, labels: IntArray, owners: IntArray) -> Any:
     """Fit a classifier on rows (n, d) of classes and objects (n,), with a temperature for its probabilities.
 
