@@ -24,7 +24,7 @@ def make_variant(step: StepInputs) -> None:
             step.inputs["features"],
             step.recomputed_features,
             block,
-            run,
+            run.seed,
         )
         table = variant_figures([block], run.recognition.intervals)
     ordered = table.sort_by([(key, "ascending") for key in VARIANTS.keys])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from variants.design import variant_conditions
-from visuohaptic.studies.study import WITHOUT_EFFECT, Step, Study
+from visuohaptic.studies.study import Step, Study
 
 STUDY = Study(
     "variants",
@@ -28,7 +28,7 @@ STUDY = Study(
             "variant",
             "variants.one:make_variant",
             ("results/variant/{condition}.json",),
-            needs={"exclude": WITHOUT_EFFECT},
+            needs={"include": {"seed": True, "recognition": {"intervals"}}},
             is_shown=False,
         ),
     ),

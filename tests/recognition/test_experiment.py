@@ -23,6 +23,7 @@ from visuohaptic.recognition.parameters import (
     ProtocolParameters,
     RecognitionParameters,
     SelfOrganisingMapParameters,
+    unread_by,
 )
 from visuohaptic.recognition.pipelines import PaperPipeline
 from visuohaptic.recognition.sequences import gather_pipeline, shuffle_touches
@@ -46,6 +47,31 @@ def test_same_seed_gives_the_same_tables_whatever_the_order_of_rows():
     second = recognition.run_pipeline(shuffled, SMALL, 1)
     assert first[0].equals(second[0])
     assert first[1].equals(second[1])
+
+
+OTHER_VALUES = {
+    "classifiers": ["naive_bayes"],
+    "cues": ["position"],
+    "touch_scaling": "standardise",
+    "sequence_scaling": "none",
+    "self_organising_map": {"outputs": 3},
+    "sequence": {"levels": 1},
+    "classifier": {"neighbours": 1},
+    "frame": "vertical",
+    "order_free": {"waves": 7},
+    "learned": {"units": 3},
+}
+
+
+@pytest.mark.parametrize("pipeline", ["paper", "order_free"])
+def test_a_pipeline_reads_no_parameter_that_is_said_to_be_unread(pipeline):
+    table, unread = features_table(), unread_by(pipeline)
+    expected = recognition.run_pipeline(table, SMALL, 1, pipeline)
+    for names, is_same in ((unread, True), (OTHER_VALUES.keys() - unread, False)):
+        values = {name: OTHER_VALUES[name] for name in names}
+        other = RecognitionParameters.model_validate({**values, "protocol": SMALL.protocol})
+        found = recognition.run_pipeline(table, other, 1, pipeline)
+        assert all(map(pa.Table.equals, found, expected)) == is_same
 
 
 def test_strategies_are_tested_on_the_same_splits():

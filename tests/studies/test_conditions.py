@@ -3,9 +3,15 @@
 import pytest
 
 from visuohaptic.base.errors import ParameterError
-from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.parameters import ExperimentParameters, nested
 from visuohaptic.scene.parameters import Scene
-from visuohaptic.studies.conditions import describe_study, make_blocks, plan_study, with_changes
+from visuohaptic.studies.conditions import (
+    describe_conditions,
+    describe_study,
+    make_blocks,
+    plan_study,
+    with_changes,
+)
 from visuohaptic.studies.study import WITHOUT_EFFECT, Condition, Study
 
 RUN = ExperimentParameters()
@@ -147,6 +153,30 @@ def test_few_conditions_of_few_trainings_share_a_job():
     alone = plan(*({**one, "recognition.touches": touches} for touches in (1, 2, 3, 4)))
     assert list(make_blocks(alone, None)) == ["0000-0003"]
     assert len(make_blocks(alone, 1)) == 4
-    # Four trainings each, of which twelve are worth a job.
+    # Four trainings each, which are worth a job.
     whole = plan(*({"recognition.touches": touches} for touches in (1, 2, 3, 4)))
-    assert list(make_blocks(whole, None)) == ["0000-0002", "0003-0003"]
+    assert len(make_blocks(whole, None)) == 4
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "pipelines"),
+    [
+        ("recognition.sequence_scaling", "none", {"paper"}),
+        ("recognition.order_free.waves", 7, {"order_free"}),
+        ("recognition.order", "shuffled", {"paper", "order_free"}),
+        ("recognition.learned.units", 7, set()),
+        ("recognition.intervals.confidence", 0.9, set()),
+        ("sensor.largest_size", 0.2, set()),
+    ],
+)
+def test_only_what_a_condition_reads_is_in_its_key(path, value, pipelines):
+    def described(run, pipeline):
+        (one,) = plan({"recognition.pipelines": [pipeline]}, run=run).conditions
+        return describe_conditions([one])
+
+    other = ExperimentParameters.from_mapping(nested({path: value}))
+    assert pipelines == {
+        pipeline
+        for pipeline in ("paper", "order_free")
+        if described(other, pipeline) != described(RUN, pipeline)
+    }

@@ -143,7 +143,9 @@ def test_a_broken_condition_is_named_and_stops_nothing(run, tmp_path, monkeypatc
     make_study_features(recomputation, sources, made[key])
     assert isinstance(features_by_key([], made, None)(key), str)
     block = tmp_path / "block.parquet"
-    make_study_block("mine", describe_conditions(plan.conditions), [features], made, block, RUN)
+    make_study_block(
+        "mine", describe_conditions(plan.conditions), [features], made, block, RUN.seed
+    )
     rows = read_table(STUDY, block).to_pylist()
     errors = {row["condition"]: row["error"] for row in rows if row["pipeline"] == "paper"}
     assert {name for name, error in errors.items() if error} == {"too small", "too many"}
@@ -170,7 +172,7 @@ def test_a_block_gives_the_same_rows_however_conditions_are_cut(run, tmp_path):
     def rows(*blocks):
         files = [tmp_path / f"{len(blocks)}-{place}" for place in range(len(blocks))]
         for file, chosen in zip(files, blocks, strict=True):
-            make_study_block("mine", describe_conditions(chosen), [run[1]], {}, file, RUN)
+            make_study_block("mine", describe_conditions(chosen), [run[1]], {}, file, RUN.seed)
         return read_table(STUDY, files).drop_columns(["seconds"])
 
     assert rows(plan.conditions).equals(rows(*([one] for one in plan.conditions)))

@@ -3,6 +3,8 @@
 Reads results/features/. Writes the tables results/scores/ and results/predictions/, with one job per pipeline.
 """
 
+from visuohaptic.recognition.parameters import unread_by
+
 # Files of former strategies, which no output of today has.
 FORMER_PATTERNS["recognition"] = [
     "results/scores/{pipeline}/{strategy}.parquet",
@@ -31,7 +33,10 @@ rule recognition:
     conda:
         "../envs/visuohaptic.yaml"
     params:
-        **phase_of("recognition").written_values(PARAMETERS),
+        recognition=lambda wildcards: PARAMETERS.recognition.model_dump(
+            exclude={"pipelines", "intervals", *unread_by(wildcards.pipeline)}
+        ),
+        seed=PARAMETERS.seed,
         key=key_of_job,
         strategies=PARAMETERS.probing.strategies,
     message:

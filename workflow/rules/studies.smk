@@ -79,7 +79,7 @@ rule block_of_study:
         conditions=lambda wildcards: describe_conditions(conditions_of(wildcards)),
         sample=lambda wildcards: sample_of(wildcards.study),
         recomputed=recomputed_keys,
-        parameters=PARAMETERS.model_dump(**DUMP_FOR_CONDITIONS),
+        seed=PARAMETERS.seed,
     message:
         "measuring conditions {wildcards.block} of study {wildcards.study}"
     script:

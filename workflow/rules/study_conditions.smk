@@ -13,7 +13,7 @@ from visuohaptic.studies.conditions import (
 )
 from visuohaptic.studies.registry import find_studies, section_files
 from visuohaptic.studies.sampling import sample_objects
-from visuohaptic.studies.study import DUMP_FOR_CONDITIONS, WITHOUT_EFFECT
+from visuohaptic.studies.study import WITHOUT_EFFECT
 from visuohaptic_workflow.studies_asked import (
     asked_by_rule,
     names_of_run,

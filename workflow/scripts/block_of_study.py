@@ -3,7 +3,6 @@
 import visuohaptic_workflow.start_of_job  # noqa: F401 - before all imports that take time
 
 # isort: split
-from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.measuring import make_study_block
 from visuohaptic_workflow.jobs import job
 
@@ -16,6 +15,6 @@ with job(snakemake):
             zip(snakemake.params.recomputed, snakemake.input.recomputed_features, strict=True)
         ),
         output=snakemake.output[0],
-        run=ExperimentParameters.from_mapping(snakemake.params.parameters),
+        seed=snakemake.params.seed,
         objects=snakemake.params.sample,
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -262,6 +262,26 @@ class RecognitionParameters(Section):
         if pipeline == "paper":
             return self.classifiers
         return (TOUCH_NETWORK,) if pipeline == "learned" else self.order_free.classifiers
+
+
+_READERS: Mapping[str, tuple[PipelineName, ...]] = {
+    "classifiers": ("paper",),
+    "cues": ("paper",),
+    "touch_scaling": ("paper",),
+    "sequence_scaling": ("paper",),
+    "self_organising_map": ("paper",),
+    "sequence": ("paper",),
+    "classifier": ("paper",),
+    "frame": ("order_free", "learned"),
+    "order_free": ("order_free", "learned"),
+    "learned": ("learned",),
+}
+"""The pipelines that read a parameter of `RecognitionParameters`; all pipelines read the others."""
+
+
+def unread_by(*pipelines: str) -> set[str]:
+    """Return the names of the parameters of `RecognitionParameters` that none of some pipelines reads."""
+    return {name for name, readers in _READERS.items() if {*readers}.isdisjoint(pipelines)}
 
 
 def least_objects(coverage: float) -> int:

@@ -19,7 +19,7 @@ from visuohaptic.base.errors import ParameterError
 from visuohaptic.base.wrong_values import unknown_parameter
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.phases import OF_OBJECT
-from visuohaptic.recognition.parameters import TOUCH_NETWORK
+from visuohaptic.recognition.parameters import TOUCH_NETWORK, unread_by
 from visuohaptic.studies.study import Changes, Condition, Study
 
 AS_RUN = "as run"
@@ -52,8 +52,9 @@ DESIRED_BLOCKS = 8
 MOST_CONDITIONS_PER_BLOCK = 25
 """Limit for the default size of a block, unless `LEAST_TRAININGS_PER_BLOCK` needs more conditions."""
 
-LEAST_TRAININGS_PER_BLOCK = 12
-"""Fewer trainings take less time than starting a job. Each pipeline and strategy of a condition is one training."""
+LEAST_TRAININGS_PER_BLOCK = 4
+"""Fewer trainings take less than three times the start of a job. Each pipeline and strategy of a condition is one
+training."""
 
 _ORDER = tuple(next(iter(phase.writes)) for phase in OF_OBJECT)
 """Name of each phase: the first table that it writes."""
@@ -310,19 +311,28 @@ def describe_study(study: Study, plan: Plan) -> dict[str, Any]:
 
 
 def describe_conditions(conditions: Sequence[Planned]) -> list[dict[str, Any]]:
-    """Return ``name``, ``changes``, ``votes`` and ``key`` per condition, for `measuring.make_study_block`.
+    """Return ``name``, ``votes``, ``key`` and ``parameters`` per condition, for `measuring.make_study_block`.
 
-    The parameters are left out: the job computes them from the run's parameters and the changes.
+    The measurement reads only ``parameters``, so that a change of another parameter does not repeat the measurement.
     """
     return [
         {
             "name": planned.condition.name,
-            "changes": dict(planned.condition.changes),
             "votes": planned.condition.votes,
             "key": planned.key,
+            "parameters": _read_in_measuring(planned.parameters),
         }
         for planned in conditions
     ]
+
+
+def _read_in_measuring(parameters: ExperimentParameters) -> dict[str, Any]:
+    """Return the parameters that training and testing read, in built-in types; defaults are left out."""
+    unread = {"intervals", *unread_by(*parameters.recognition.pipelines)}
+    return {
+        **parameters.model_dump(include={"attention": {"fixations"}, "probing": {"strategies"}}),
+        "recognition": parameters.recognition.model_dump(exclude=unread, exclude_defaults=True),
+    }
 
 
 def touches_needed(parameters: ExperimentParameters) -> int:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cache, lru_cache, partial
 from itertools import groupby, product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -19,25 +19,18 @@ from numpy.typing import NDArray
 
 from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.base.errors import RecognitionError
+from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.experiment import SplitPrediction, predict_splits
 from visuohaptic.recognition.pipelines import pipeline_of, pooled_log_probabilities
 from visuohaptic.recognition.sequences import TouchSequences, gather_pipeline, take_strategy
 from visuohaptic.recognition.splits import draw_splits
 from visuohaptic.recognition.voting import evenly_spaced_subsets, vote_credit
-from visuohaptic.studies.conditions import (
-    Planned,
-    touches_needed,
-    training_key,
-    with_changes,
-)
+from visuohaptic.studies.conditions import Planned, touches_needed, training_key
 from visuohaptic.studies.refusals import ERROR, REFUSALS, REFUSED_POLICIES
 from visuohaptic.studies.study import Condition
 from visuohaptic.tables.phases import FEATURES, of_objects
 from visuohaptic.tables.schema import build_table, read_table, write_table
 from visuohaptic.tables.studies import STUDY
-
-if TYPE_CHECKING:
-    from visuohaptic.parameters import ExperimentParameters
 
 Paths = Sequence[str | Path]
 
@@ -67,7 +60,7 @@ def make_study_block(
     features: Paths,
     recomputed_features: Mapping[str, str | Path],
     output: str | Path,
-    run: ExperimentParameters,
+    seed: int,
     objects: Collection[str] | None = None,
 ) -> None:
     """Measure a block of conditions and write `tables.STUDY`.
@@ -82,13 +75,13 @@ def make_study_block(
         Files of features, and objects to measure, as for `features_by_key`.
     output : path
         The file to write.
-    run : ExperimentParameters
-        The parameters of the run.
+    seed : int
+        The seed of the run.
     """
     planned = [
         Planned(
-            Condition(row["name"], row["changes"], votes=row["votes"]),
-            with_changes(run, row["changes"], f"study {study}: {row['name']}"),
+            Condition(row["name"], votes=row["votes"]),
+            ExperimentParameters.from_mapping(row["parameters"], f"study {study}: {row['name']}"),
             row["key"],
         )
         for row in conditions
@@ -96,7 +89,7 @@ def make_study_block(
     of_key = features_by_key(features, recomputed_features, objects)
     parts: list[pa.Table] = []
     for (key, _), same_training in groupby(planned, key=training_key):
-        parts += measure_conditions(study, list(same_training), of_key(key or None), run.seed)
+        parts += measure_conditions(study, list(same_training), of_key(key or None), seed)
     write_table(STUDY, pa.concat_tables(parts), output)
 
 

@@ -27,7 +27,7 @@ def test_every_setting_has_a_row_in_the_order_of_its_line(tmp_path, monkeypatch)
         make_study_features(recomputation, sources, files[key])
     conditions = describe_conditions(plan.conditions)
     made = [tmp_path / name for name in ("block", "seconds", "cost.parquet")]
-    make_study_block("settings_cost", conditions, [features], files, made[0], RUN)
+    make_study_block("settings_cost", conditions, [features], files, made[0], RUN.seed)
     inputs = {"meshes": sources.meshes[:2], "features": [features]}
     with patch.object(seconds, "fit_model", wraps=seconds.fit_model) as fitting:
         make_seconds(StepInputs("settings_cost", inputs, made[1:2], RUN, recomputed_features=files))

@@ -61,7 +61,7 @@ def made(features, tmp_path_factory):
     folder = tmp_path_factory.mktemp("variants")
     block, table, summary = (folder / name for name in ("block", "table", "summary"))
     chosen = conditions(DEFAULT, FEATURE_GROUPS, ONLINE_LATTICE)
-    make_study_block("variants", chosen, [features], {}, block, RUN)
+    make_study_block("variants", chosen, [features], {}, block, RUN.seed)
     make_variants(StepInputs("variants", {"blocks": [block]}, [table, summary], RUN))
     return read_table(VARIANTS, table).to_pylist(), json.loads(summary.read_text())
 
