@@ -326,6 +326,17 @@ def test_a_model_learns_from_several_strategies_and_compares_touches_with_those_
     assert of_two.answer(unseen) == alone.answer(unseen)
 
 
+def test_fewer_folds_compute_as_many_scores():
+    (few,) = recognition.fit_model(
+        LARGER, "order_free", "naive_bayes", PARAMETERS, 1, folds=2
+    ).certainties.values()
+    (own,) = fit(LARGER, "naive_bayes").certainties.values()
+    for name in ("trained", "labels", "views", "nonconformity", "novelty"):
+        assert getattr(few, name).shape == getattr(own, name).shape
+    assert not np.array_equal(few.novelty, own.novelty)
+    np.testing.assert_array_equal(few.reference.centres, own.reference.centres)
+
+
 def test_an_object_is_compared_by_models_that_learnt_it_by_no_strategy_with_touches_of_its_own():
     rows, labels, owners = clusters(objects=(6, 6), separation=0.3, sequences=4)
     learnt = []

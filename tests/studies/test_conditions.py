@@ -126,6 +126,22 @@ def test_an_error_of_a_condition_names_the_study_and_not_the_parameters_of_the_r
         plan({"sensor.largest_size": -1})
 
 
+def test_other_touches_of_the_run_recompute_the_same_features():
+    def recomputations(touches):
+        changes = {
+            "sensor.resolution": 16,
+            "attention.fixations": touches,
+            "recognition.touches": touches,
+        }
+        run = with_changes(RUN, {"recognition.touches": touches})
+        return {
+            key: one.parameters.model_dump(exclude={"recognition"})
+            for key, one in plan(changes, run=run).recomputations.items()
+        }
+
+    assert recomputations(3) == recomputations(5)
+
+
 def test_blocks_hold_every_condition_once_and_neighbours_share_features():
     found = plan(
         *(

@@ -29,7 +29,7 @@ VIEW_COUNTS = (1, 2, 4, 8, 16)
 """Numbers of views from which the scores of the training objects are computed."""
 
 FOLDS = 10
-"""Maximum number of folds of the training objects."""
+"""Default of the maximum number of folds of the training objects."""
 
 
 @dataclass(frozen=True)
@@ -186,6 +186,7 @@ def fit_certainty(
     owners: IntArray,
     random_state: RandomState = 0,
     same_strategy: BoolArray | None = None,
+    folds: int = FOLDS,
 ) -> Certainty | None:
     """Compute the scores of each training object by a model that was fitted without the object.
 
@@ -207,6 +208,8 @@ def fit_certainty(
     same_strategy : ndarray of shape (s,), bool, optional
         Sequences of the strategy by which new objects will be touched; None for all sequences. Scores are computed
         only from these sequences. The models are fitted on the sequences of all strategies.
+    folds : int
+        Maximum number of folds of the training objects.
 
     Returns
     -------
@@ -215,16 +218,16 @@ def fit_certainty(
     """
     if same_strategy is None:
         same_strategy = np.ones(len(rows), dtype=bool)
-    divided = held_out_folds(labels, owners, FOLDS, random_state)
-    folds = [(train, held_out[same_strategy[held_out]]) for train, held_out in divided]
-    folds = [fold for fold in folds if same_strategy[fold[0]].any() and len(fold[1])]
-    if not folds:
+    divided = held_out_folds(labels, owners, folds, random_state)
+    parts = [(train, held_out[same_strategy[held_out]]) for train, held_out in divided]
+    parts = [part for part in parts if same_strategy[part[0]].any() and len(part[1])]
+    if not parts:
         return None
     objects, first = np.unique(owners[same_strategy], return_index=True)
     class_of_object = labels[same_strategy][first]
     nonconformity = np.zeros((len(VIEW_COUNTS), len(objects)))
     novelty = np.zeros_like(nonconformity)
-    for train, held_out in folds:
+    for train, held_out in parts:
         model = fit(rows[train], labels[train], owners[train])
         prepared = model[:-1].transform(rows[held_out])
         descriptors = descriptors_of(prepared)
@@ -243,7 +246,7 @@ def fit_certainty(
     reference = fit_reference(
         descriptors_of(final[:-1].transform(rows[same_strategy])), owners[same_strategy]
     )
-    has_scores = np.isin(objects, owners[np.concatenate([held_out for _, held_out in folds])])
+    has_scores = np.isin(objects, owners[np.concatenate([held_out for _, held_out in parts])])
     return Certainty(
         np.unique(labels),
         class_of_object[has_scores],

@@ -19,7 +19,7 @@ from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.draw_names import draw_of
 from visuohaptic.base.errors import RecognitionError, TableError
 from visuohaptic.base.seeds import spawn_generator
-from visuohaptic.recognition.certainty import Certainty, fit_certainty
+from visuohaptic.recognition.certainty import FOLDS, Certainty, fit_certainty
 from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
 from visuohaptic.recognition.experiment import one_thread, seeded
@@ -281,6 +281,7 @@ def fit_model(
     classifier: ClassifierName,
     parameters: RecognitionParameters,
     seed: int,
+    folds: int = FOLDS,
 ) -> RecognitionModel:
     """Fit a model on all objects of a table.
 
@@ -298,6 +299,9 @@ def fit_model(
         Settings of the fit.
     seed : int
         Seed of the fit, and of the random waves of pipeline ``order_free``.
+    folds : int
+        Maximum number of folds of the training objects, from which the scores of `certainties` are computed. The model
+        has the same size for any number.
 
     Raises
     ------
@@ -339,7 +343,13 @@ def fit_model(
         estimator = fit(rows, labels, owners)
         for name in strategies if has_probabilities else ():
             certainty = fit_certainty(
-                fit, estimator, rows, labels, owners, same_strategy=strategy_of_row == name
+                fit,
+                estimator,
+                rows,
+                labels,
+                owners,
+                same_strategy=strategy_of_row == name,
+                folds=folds,
             )
             certainties |= {} if certainty is None else {name: certainty}
     waves = draw_waves(parameters.order_free, seed) if has_probabilities else None

@@ -83,7 +83,7 @@ class Recomputation:
         The first phase to recompute, named by its first table: ``views``, ``touches`` or ``features``.
     parameters : ExperimentParameters
         Parameters of the first of these conditions. Their `probing.strategies` are the strategies of all these
-        conditions, and `attention.fixations` is the largest number of touches that one of the conditions needs.
+        conditions, and `attention.fixations` is the largest number of touches of the run and of these conditions.
     """
 
     phase: str
@@ -206,7 +206,8 @@ def plan_study(study: Study, run: ExperimentParameters, source: str | None = Non
             key = hashlib.sha256(text.encode()).hexdigest()[:12]
             needs.setdefault(key, []).append(Recomputation(phase, parameters))
         planned.append(Planned(condition, parameters, key))
-    return Plan(tuple(planned), {key: _merge(needed) for key, needed in needs.items()})
+    merged = {key: _merge(needed, run) for key, needed in needs.items()}
+    return Plan(tuple(planned), merged)
 
 
 def is_measured_by_run(planned: Planned, run: ExperimentParameters) -> bool:
@@ -391,11 +392,12 @@ def _upstream(parameters: ExperimentParameters) -> dict[str, Any]:
     return dict(zip(_ORDER, values, strict=True))
 
 
-def _merge(recomputations: Sequence[Recomputation]) -> Recomputation:
+def _merge(recomputations: Sequence[Recomputation], run: ExperimentParameters) -> Recomputation:
     """Merge the recomputations of one key: the earliest phase, the most touches, and all strategies."""
     parameters = [recomputation.parameters for recomputation in recomputations]
     first = parameters[0]
-    fixations = max(map(touches_needed, parameters))
+    # At least the touches of the run, so that other `recognition.touches` recompute nothing.
+    fixations = max(run.attention.fixations, *map(touches_needed, parameters))
     strategies = dict.fromkeys(name for each in parameters for name in each.probing.strategies)
     update = {
         "attention": first.attention.model_copy(update={"fixations": fixations}),

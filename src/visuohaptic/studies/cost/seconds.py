@@ -33,8 +33,12 @@ from visuohaptic.studies.study import StepInputs, Study
 from visuohaptic.tables.schema import build_rows, write_table
 from visuohaptic.tables.studies import COST_PARTS, COST_SECONDS
 
-FRONTIER_ROUNDS = 2
-"""Rounds of study `frontier`: fewer than `cost.rounds`, because every run contains this study."""
+FRONTIER_ROUNDS = 1
+"""Rounds of study `frontier`, which every run contains. Its intervals come from the differences between objects: a second
+round narrows them by 2 %."""
+
+FOLDS = 2
+"""Folds of the certainty of timed models: the time of an answer depends on the number of scores, not on the folds."""
 
 LOOK = OF_OBJECT[0]
 """The phase that renders views and computes fixations."""
@@ -130,7 +134,7 @@ def fit_setting(
     try:
         rows = condition_features(planned, features, setting.strategy)
         recognition = planned.parameters.recognition
-        return fit_model(rows, setting.pipeline, setting.classifier, recognition, seed)
+        return fit_model(rows, setting.pipeline, setting.classifier, recognition, seed, FOLDS)
     except REFUSALS:
         return None
 

@@ -19,7 +19,6 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS, touches_of_run
 from visuohaptic.studies.study import (
-    DUMP_FOR_CONDITIONS,
     WITHOUT_EFFECT,
     Changes,
     Condition,
@@ -162,13 +161,17 @@ def cost_study(
     `works` names, as ``module:function``, the function that measures the seconds and the function that writes
     `tables.COST`.
     """
-    robot = {"cost": {"touch_seconds", "look_seconds"}}
+    # The timed models are fitted on all objects.
+    unread = {
+        "cost": {"touch_seconds", "look_seconds"},
+        "recognition": {"intervals", "protocol"},
+    }
     seconds = Step(
         f"{name}_seconds",
         works[0],
         (f"results/{name}_seconds.parquet",),
         inputs=("meshes", "features", "recomputed_features"),
-        needs={"exclude": {**DUMP_FOR_CONDITIONS["exclude"], **robot}},
+        needs={"exclude": {**WITHOUT_EFFECT, **unread}},
         objects="timed",
         is_alone=not is_part_of_run,
         is_shown=False,
