@@ -50,8 +50,9 @@ def test_a_split_without_objects_is_refused(split):
 
 
 def test_a_folder_of_meshes_of_a_run_has_the_surfaces_of_its_files(tmp_path):
-    for name in ("bottle", "car"):
-        write_surface(example(name).surface, tmp_path / name / "one.ply")
+    write_surface(example("bottle").surface, tmp_path / "bottle" / "one.ply")
+    block = tmp_path / "several_objects" / "011"
+    write_surface(example("car").surface, block / "car" / "one.ply")
     write_set_aside(tmp_path / "car" / "broken.ply", "it has no faces.")
     surfaces = surfaces_of(tmp_path)
     assert list(surfaces) == ["bottle/one", "car/one"]

@@ -14,7 +14,6 @@ from visuohaptic.exploration.exploring import TouchableObject
 from visuohaptic.geometry.surface import (
     Surface,
     as_stored,
-    meshes_in,
     object_of,
     read_surface,
     usable_meshes,
@@ -48,7 +47,8 @@ def surfaces_of(objects: Objects) -> dict[str, Callable[[], Surface]]:
         If there are two objects with a key, or objects of fewer than two classes.
     """
     if isinstance(objects, str | Path):
-        files = usable_meshes(meshes_in([objects]).values())
+        # A run has its meshes in folders of blocks, one object or several each.
+        files = usable_meshes(sorted(Path(objects).rglob("*.ply")))
         found = [(object_of(file), partial(read_surface, file)) for file in files]
     else:
         things = map(example, examples()) if objects is None else objects
