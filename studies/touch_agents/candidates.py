@@ -187,7 +187,8 @@ def describe_places(sight: Sight, seen: Any, parameters: ExperimentParameters) -
 
     Position in the view, depth, cosine of the angle between normal and line of sight, normal in the camera's axes,
     distance from the centre; saliency there and around; distance from the outline, fold and unevenness of the depth map
-    there; rank among the fixations; width, height and area of the outline.
+    there; rank among the fixations; width, height and area of the outline; cosine of the angle between normal and
+    direction from the centre.
     """
     camera, caster = sight.policy_view.camera, sight.policy_view.caster
     points, normals = np.split(seen["places"][0].astype(np.float64), 2, axis=1)
@@ -220,6 +221,7 @@ def describe_places(sight: Sight, seen: Any, parameters: ExperimentParameters) -
             *(each[row, column] for each in shape),
             rank,
             np.tile(outline, (len(points), 1)),
+            (normals * points).sum(axis=1) / np.linalg.norm(points, axis=1),
         ]
     )
 

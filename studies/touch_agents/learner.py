@@ -61,9 +61,9 @@ class Learning:
     rounds: int = 2
     explored: float = 0.3
     folds: int = 3
-    trees: int = 100
+    trees: int = 40
     leaves: int = 15
-    leaf_rows: int = 100
+    leaf_rows: int = 300
     rate: float = 0.05
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import visuohaptic as vh
 from touch_agents import candidates as module
 from visuohaptic.environment import TouchVectorEnv
 from visuohaptic.environment.episodes import Episode
@@ -77,18 +78,35 @@ def test_a_blind_agent_is_told_directions_at_most_and_its_environment_shows_noth
 
 
 @pytest.mark.slow
-def test_features_are_those_of_the_workflow(collected, setting, keys):
-    if setting == "turned":
-        pytest.skip("one setting is enough")
-    import visuohaptic as vh
+def test_what_is_seen_belongs_to_the_place(collected, setting, keys):
+    own = collected["seeing"]
+    known, points, valid = own.known, own.anchors, own.valid
+    radii = np.linalg.norm(points, axis=-1)[valid]
+    np.testing.assert_allclose(known[valid][:, 7], radii)
+    outward = (points * own.touches[..., 19:22]).sum(axis=-1)[valid] / radii
+    np.testing.assert_allclose(known[valid][:, 17], outward, atol=1e-6)
+    turns = "any" if setting == "turned" else "none"
+    rows = TouchVectorEnv(
+        1, None, "all", PARAMETERS, places=module.SPREAD, turns=turns, turn_draws=4, touches=1
+    )
+    chosen = {"object": keys[1], "viewpoint": 1, "turn_draw": 2, "draw": 0}
+    seen, _ = rows.reset(seed=0, options=chosen)
+    fixated = np.flatnonzero(seen["valid"][0, : len(seen["fixations"][0])])
+    position = known[3, : len(fixated), :2] * [1, -1]
+    np.testing.assert_allclose(position, seen["fixations"][0, fixated], atol=0.02)
+    np.testing.assert_allclose(known[3, : len(fixated), 13] * 21, fixated)
 
+
+@pytest.mark.slow
+@pytest.mark.parametrize("setting", ["upright"], indirect=True)
+def test_features_are_those_of_the_workflow(collected, keys):
     own, start = collected["seeing"], 0
     points = own.anchors[start, :3]
     table = vh.example(keys[0].partition("/")[0]).touch(at=points).features.to_pandas()
     names = [name for name in module.FEATURES if not name.startswith("contact_")]
     expected = table[[*names]].to_numpy()
     columns = [module.FEATURES.index(name) for name in names]
-    np.testing.assert_allclose(own.touches[start, :3][:, columns], expected, atol=2e-3)
+    np.testing.assert_allclose(own.touches[start, :3][:, columns], expected, atol=1e-4)
 
 
 @pytest.mark.slow

@@ -169,14 +169,15 @@ def test_the_agent_of_a_later_round_did_not_learn_from_the_objects_that_it_touch
 
 
 @pytest.mark.slow
-def test_nothing_is_known_of_touches_that_were_not_made(candidates, agent):
+def test_nothing_is_known_of_the_class_and_of_touches_that_were_not_made(candidates, agent):
     starts = np.arange(36)
     chosen = np.tile([3, 0], (36, 1))
     changed = candidates.touches.copy()
     changed[:, [1, 2, *range(4, PLACES)]] = 99.0
+    renamed = tuple(f"class{(int(key[5]) + 1) % 3}{key[6:]}" for key in candidates.keys)
     of_both = [
         know(agent.eyes, own, starts, chosen)
-        for own in (candidates, replace(candidates, touches=changed))
+        for own in (candidates, replace(candidates, touches=changed, keys=renamed))
     ]
     for before, after in zip(*of_both, strict=True):
         np.testing.assert_array_equal(before, after)
