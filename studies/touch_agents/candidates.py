@@ -197,7 +197,7 @@ def describe_places(sight: Sight, seen: Any, parameters: ExperimentParameters) -
     depth = np.where(hit, hits.distance.reshape(GRID, GRID), np.nan)
     position = camera.project(points, GRID)
     column, row = np.clip(position.astype(np.int64), 0, GRID - 1).T
-    offset = camera.eye - points
+    offset, radii = camera.eye - points, np.linalg.norm(points, axis=1)
     depth_of_place = np.linalg.norm(offset, axis=1)
     facing = (normals * offset).sum(axis=1) / depth_of_place
     saliency = seen["saliency"][0, :, :, 0] / 255
@@ -215,13 +215,13 @@ def describe_places(sight: Sight, seen: Any, parameters: ExperimentParameters) -
             depth_of_place,
             facing,
             normals @ camera.axes.T,
-            np.linalg.norm(points, axis=1),
+            radii,
             saliency[down, across],
             around[down, across],
             *(each[row, column] for each in shape),
             rank,
             np.tile(outline, (len(points), 1)),
-            (normals * points).sum(axis=1) / np.linalg.norm(points, axis=1),
+            (normals * points).sum(axis=1) / np.maximum(radii, 1e-9),
         ]
     )
 
@@ -253,8 +253,8 @@ def _pad(
     return Candidates(touches, known, anchors, valid, tuple(keys), owners)
 
 
-def save_candidates(candidates: Mapping[Senses, Candidates], path: Path) -> None:
-    """Write candidates to an ``.npz`` file. Missing folders are created."""
+def save_candidates(candidates: Mapping[Senses, Candidates], seconds: float, path: Path) -> None:
+    """Write candidates, and the processor seconds of `collect`, to an ``.npz`` file. Missing folders are created."""
     parts: dict[str, Any] = {
         f"{senses} {field.name}": np.asarray(getattr(own, field.name))
         for senses, own in candidates.items()
@@ -262,16 +262,17 @@ def save_candidates(candidates: Mapping[Senses, Candidates], path: Path) -> None
     }
     path.parent.mkdir(parents=True, exist_ok=True)
     with atomic_file(path) as unfinished, unfinished.open("wb") as stream:
-        np.savez_compressed(stream, **parts)
+        np.savez_compressed(stream, seconds=seconds, **parts)
 
 
-def load_candidates(path: Path) -> dict[Senses, Candidates]:
-    """Read candidates that `save_candidates` wrote."""
+def load_candidates(path: Path) -> tuple[dict[Senses, Candidates], float]:
+    """Read candidates and seconds that `save_candidates` wrote."""
     with np.load(path) as parts:
+        seconds = float(parts["seconds"])
         found = {
             senses: {field.name: parts[f"{senses} {field.name}"] for field in fields(Candidates)}
             for senses in SENSES
         }
     for own in found.values():
         own["keys"] = tuple(own["keys"].tolist())
-    return {senses: Candidates(**own) for senses, own in found.items()}
+    return {senses: Candidates(**own) for senses, own in found.items()}, seconds

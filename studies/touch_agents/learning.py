@@ -92,9 +92,8 @@ def main() -> None:
     seconds = {"touches": 0.0, "training and test": 0.0}
     shares: dict[Setting, dict[Cell, FloatArray]] = {}
     for setting in get_args(Setting):
-        begun = time.process_time()
-        candidates = _candidates(arguments.meshes, setting, parameters, arguments.touches)
-        seconds["touches"] += time.process_time() - begun
+        candidates, spent = _candidates(arguments.meshes, setting, parameters, arguments.touches)
+        seconds["touches"] += spent
         begun, frame, seed = time.process_time(), FRAMES[setting], parameters.seed
         keys = candidates["seeing"].keys
         training = [key for key in keys if key in choosing_objects()]
@@ -215,13 +214,17 @@ def answer(comparison: Mapping[str, Any], corrected: float) -> str:
 
 def _candidates(
     meshes: Path, setting: Setting, parameters: ExperimentParameters, folder: Path | None
-) -> dict[Senses, Candidates]:
-    """Touch the candidates, or read the file of `folder` that holds them."""
-    if folder is None:
-        return collect(meshes, setting, parameters)
-    if not (folder / f"{setting}.npz").exists():
-        save_candidates(collect(meshes, setting, parameters), folder / f"{setting}.npz")
-    return load_candidates(folder / f"{setting}.npz")
+) -> tuple[dict[Senses, Candidates], float]:
+    """Touch the candidates, or read the file of `folder` that holds them; return the processor seconds of touching too."""
+    file = None if folder is None else folder / f"{setting}.npz"
+    if file is not None and file.exists():
+        return load_candidates(file)
+    begun = time.process_time()
+    found = collect(meshes, setting, parameters)
+    seconds = time.process_time() - begun
+    if file is not None:
+        save_candidates(found, seconds, file)
+    return found, seconds
 
 
 if __name__ == "__main__":

@@ -111,8 +111,9 @@ def test_features_are_those_of_the_workflow(collected, keys):
 
 @pytest.mark.slow
 def test_saved_candidates_are_read_back(collected, tmp_path):
-    module.save_candidates(collected, tmp_path / "folder/some.npz")
-    again = module.load_candidates(tmp_path / "folder/some.npz")
+    module.save_candidates(collected, 2.5, tmp_path / "folder/some.npz")
+    again, seconds = module.load_candidates(tmp_path / "folder/some.npz")
+    assert seconds == 2.5
     for senses, own in collected.items():
         np.testing.assert_array_equal(again[senses].touches, own.touches)
         np.testing.assert_array_equal(again[senses].valid, own.valid)
