@@ -182,10 +182,14 @@ def train(
 ) -> Agent:
     """Train an agent on the candidates of the objects `keys`; if not `learns`, it touches at random.
 
-    In both cases the class probabilities are fitted on equally many sequences of the agent itself.
+    In both cases the class probabilities are fitted on equally many sequences of the agent itself. Raises `ValueError`
+    if a start has too few places.
     """
     own, generator = learning or Learning(), np.random.default_rng(seed)
     first = np.repeat(candidates.starts_of(keys), own.histories)
+    fewest, needed = candidates.valid[first].sum(axis=1).min(), TOUCHES - 1 + own.compared
+    if fewest < needed:
+        raise ValueError(f"A start has {fewest} places; at least {needed} are needed.")
     at_random = Agent(Eyes(frame, len(candidates.classes), seed))
     starts, chosen = first[:0], np.zeros((0, TOUCHES), dtype=np.int64)
     with one_thread():

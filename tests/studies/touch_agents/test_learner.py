@@ -208,3 +208,17 @@ def test_a_gain_is_the_rise_of_the_log_probability_of_the_true_class(candidates,
 def test_before_the_first_touch_all_classes_are_equally_likely():
     logs = Eyes("full", 4, 0).logs(np.zeros((2, 0, len(FEATURES))))
     np.testing.assert_allclose(np.exp(logs), 0.25)
+
+
+def test_a_start_with_too_few_places_is_refused(candidates):
+    few = candidates.valid.copy()
+    few[4, 9:] = False
+    with pytest.raises(ValueError, match="A start has 9 places; at least 10 are needed"):
+        train(
+            replace(candidates, valid=few),
+            candidates.keys,
+            "full",
+            learns=True,
+            seed=1,
+            learning=LEARNING,
+        )
