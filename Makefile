@@ -162,6 +162,7 @@ readme: $(DEVELOP) report
 	python -m known_objects.make_page
 	python -m baselines.make_page
 	python -m touch_agents.make_page
+	python -m touch_agents.make_learning_page
 	python docs/make_claims.py
 	python docs/make_study_pictures.py
 	python docs/make_two_questions.py

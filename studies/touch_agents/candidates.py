@@ -76,7 +76,7 @@ class Candidates:
     touches : ndarray of shape (n, k, f)
         `FEATURES` of a touch at each place.
     known : ndarray of shape (n, k, m)
-        What an agent knows of each place before a touch.
+        Knowledge of an agent of each place before a touch.
     anchors : ndarray of shape (n, k, 3)
         Point of each place, object radii; without sight its direction from the object's centre.
     valid : ndarray of shape (n, k), bool
@@ -183,7 +183,7 @@ def features_of(seen: Any, parameters: ExperimentParameters) -> FloatArray:
 
 
 def describe_places(sight: Sight, seen: Any, parameters: ExperimentParameters) -> FloatArray:
-    """Describe what is seen of each candidate place in the first row of observations `seen`: (k, m).
+    """Describe how each candidate place looks in the first row of observations `seen`: (k, m).
 
     Position in the view, depth, cosine of the angle between normal and line of sight, normal in the camera's axes,
     distance from the centre; saliency there and around; distance from the outline, fold and unevenness of the depth map

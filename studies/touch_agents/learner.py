@@ -134,8 +134,8 @@ def know(
 ) -> tuple[FloatArray, FloatArray]:
     """Return what agents know after touches `chosen` (s, t): of the object (s, q), and of each place (s, k, m).
 
-    Of the object: log probabilities, imprint, size, distance from the centre and slope of the last touch. Of a place: what
-    is known before a touch, and distances of its anchor from those of the last, the nearest and all earlier touches.
+    Of the object: log probabilities, imprint, size, distance from the centre and slope of the last touch. Of a
+    place: `Candidates.known`, and distances of its anchor from those of the last, the nearest and all earlier touches.
     """
     felt = touched(candidates, starts, chosen)
     logs = np.maximum(eyes.logs(felt), LEAST_LOG_PROBABILITY)
@@ -281,7 +281,7 @@ def _regressions(lessons: Sequence[_Lesson], own: Learning) -> list[Any]:
 
 
 def _join(state: FloatArray, places: FloatArray) -> FloatArray:
-    """Return what is known of object (s, q) and place (s, p, m) in one row per place: (s, p, q + m)."""
+    """Join knowledge of the object (s, q) and of p places (s, p, m) in one row per place: (s, p, q + m)."""
     repeated = np.broadcast_to(state[:, None], (*places.shape[:2], state.shape[1]))
     return np.concatenate([repeated, places], axis=-1)
 

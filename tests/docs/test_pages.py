@@ -273,14 +273,15 @@ def test_the_page_of_the_two_questions_shows_the_kept_leads(run_script):
 
 
 @pytest.mark.parametrize(
-    "study",
+    "script",
     [
-        *("baselines", "cues", "draws", "first_touch", "known_objects", "learned"),
-        *("touch_agents", "turned", "variants"),
+        *("baselines/make_page", "cues/make_page", "draws/make_page", "first_touch/make_page"),
+        *("known_objects/make_page", "learned/make_page", "touch_agents/make_page"),
+        *("touch_agents/make_learning_page", "turned/make_page", "variants/make_page"),
     ],
 )
-def test_the_page_of_a_study_shows_what_the_study_keeps(study, run_script):
-    made = run_script(f"studies/{study}/make_page")
+def test_the_page_of_a_study_shows_what_the_study_keeps(script, run_script):
+    made = run_script(f"studies/{script}")
     for block, content in made["blocks"]().items():
         assert f"<!-- {block} -->\n{content}\n<!-- /{block} -->" in made["PAGE"].read_text()
 
