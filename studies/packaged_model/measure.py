@@ -1,0 +1,168 @@
+"""Fit the package's model by a written rule, and measure its answers: ``python -m packaged_model.measure FEATURES``.
+
+README.md beside this file states the rule. `FEATURES` is the folder results/features of a finished run of set ``all``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.compute as pc
+from sklearn.model_selection import StratifiedKFold
+
+from visuohaptic.evaluation.sign_changes import sign_change_test
+from visuohaptic.exploration.examples import examples
+from visuohaptic.exploration.recognising import PACKAGED_MODEL
+from visuohaptic.meshes.catalogue import TEST_CLASSES
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.recognition.model import RecognitionModel, fit_model
+from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.stored_models import save_model
+from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
+from visuohaptic.tables.phases import FEATURES
+from visuohaptic.tables.schema import read_table
+
+LEAST_OBJECTS = 5
+"""The smallest number of objects of an admitted class."""
+FOLDS = 5
+SEED = 2018
+PIPELINES = ("order_free", "learned")
+LONGEST_FIT_S = 300.0
+LARGEST_BYTES = 10_000_000
+LEVEL = 0.05
+PARAMETERS = RecognitionParameters(frame="vertical")
+
+Owner = tuple[str, str]
+"""Class and name of an object."""
+
+
+def admitted(owners: list[Owner]) -> list[Owner]:
+    """Return the objects that the rule admits, sorted: no test class, no example, no class of few objects."""
+    held_out = {
+        (path.parent.name, path.name.removesuffix(".ply.gz")) for path in examples().values()
+    }
+    left = sorted(
+        owner for owner in owners if owner[0] not in TEST_CLASSES and owner not in held_out
+    )
+    counts = Counter(category for category, _ in left)
+    return [owner for owner in left if counts[owner[0]] >= LEAST_OBJECTS]
+
+
+def by_object(features: pa.Table) -> dict[Owner, pa.Table]:
+    """Return the rows of each object."""
+    names = pc.binary_join_element_wise(features["class"], features["object"], "/")
+    return {
+        tuple(name.split("/")): features.filter(pc.equal(names, name))
+        for name in sorted(names.unique().to_pylist())
+    }
+
+
+def fit(rows: list[pa.Table], pipeline: str) -> RecognitionModel:
+    """Fit a model of a pipeline on the rows of objects."""
+    return fit_model(
+        pa.concat_tables(rows), pipeline, HEADLINE_CLASSIFIERS[pipeline], PARAMETERS, SEED
+    )
+
+
+def answers(model: RecognitionModel, objects: dict[Owner, pa.Table]) -> Iterator[dict[str, Any]]:
+    """Yield what a model answers for each object from all views, and the share of single views that it names right."""
+    for (category, name), rows in objects.items():
+        answer = model.answer(rows)
+        views = [
+            next(iter(model.recognise(rows.filter(pc.equal(rows["viewpoint"], view)))))
+            for view in rows["viewpoint"].unique().to_pylist()
+        ]
+        yield {
+            "class": category,
+            "object": name,
+            "named": next(iter(answer.probabilities)),
+            "third": list(answer.probabilities)[:3],
+            "candidates": list(answer.candidates or ()),
+            "unknown": answer.unknown,
+            "novelty_rank": answer.novelty_rank,
+            "views": float(np.mean([one == category for one in views])),
+        }
+
+
+def measure(objects: dict[Owner, pa.Table], pipeline: str) -> pd.DataFrame:
+    """Answer for each admitted object by a model that did not learn it, and for objects of the test classes.
+
+    Objects of the test classes have one row per model.
+    """
+    known = admitted(list(objects))
+    strange = {owner: rows for owner, rows in objects.items() if owner[0] in TEST_CLASSES}
+    folds = StratifiedKFold(FOLDS, shuffle=True, random_state=SEED)
+    found = []
+    for fold, (train, test) in enumerate(folds.split(known, [one[0] for one in known])):
+        model = fit([objects[known[index]] for index in train], pipeline)
+        asked = {known[index]: objects[known[index]] for index in test} | strange
+        found += [{"fold": fold, "pipeline": pipeline, **row} for row in answers(model, asked)]
+        print(pipeline, "fold", fold + 1, "of", FOLDS, flush=True)
+    return pd.DataFrame(found)
+
+
+def choose(measured: pd.DataFrame, seconds: float, size: int) -> tuple[str, float, float]:
+    """Apply the rule: return the pipeline, the gain of `learned` as a share of objects, and its p value.
+
+    `seconds` and `size` are processor seconds and bytes of the model of `learned`.
+    """
+    known = measured[~measured["class"].isin(TEST_CLASSES)]
+    right = known.assign(right=known["named"] == known["class"]).pivot(
+        index=["class", "object"], columns="pipeline", values="right"
+    )
+    gains = (right["learned"].astype(float) - right["order_free"].astype(float)).to_numpy()
+    p_value = float(sign_change_test(gains / len(gains), np.random.default_rng(SEED)))
+    is_taken = gains.mean() > 0 and p_value < LEVEL
+    if is_taken and seconds < LONGEST_FIT_S and size < LARGEST_BYTES:
+        return "learned", float(gains.mean()), p_value
+    return "order_free", float(gains.mean()), p_value
+
+
+def main() -> None:
+    """Measure both pipelines, choose one by the rule, and write the package's model and the answers."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("features", type=Path, help="results/features of a run of set all")
+    parser.add_argument(
+        "--output", type=Path, default=Path(__file__).with_name("kept_answers.parquet")
+    )
+    arguments = parser.parse_args()
+    table = read_table(FEATURES, sorted(arguments.features.rglob("*.parquet")))
+    objects = by_object(table.filter(pc.equal(table["strategy"], "fixation")))
+    measured = pd.concat([measure(objects, pipeline) for pipeline in PIPELINES], ignore_index=True)
+    measured.to_parquet(arguments.output, index=False)
+    learnt = [objects[owner] for owner in admitted(list(objects))]
+    made: dict[str, dict[str, float]] = {}
+    touching = json.dumps(
+        ExperimentParameters(meshes={"set": "all"}).model_dump(
+            mode="json", exclude={"workflow", "recognition", "cost"}
+        )
+    )
+    for pipeline in PIPELINES:
+        start = time.process_time()
+        model = replace(fit(learnt, pipeline), touching=touching)
+        seconds = time.process_time() - start
+        path = arguments.output.with_name(f"{pipeline}.skops")
+        save_model(model, path)
+        made[pipeline] = {"seconds": seconds, "bytes": path.stat().st_size}
+    chosen, gain, p_value = choose(
+        measured, made["learned"]["seconds"], int(made["learned"]["bytes"])
+    )
+    found = {"chosen": chosen, "gain": gain, "p_value": p_value, "models": made}
+    arguments.output.with_name("chosen.json").write_text(json.dumps(found, indent=2) + "\n")
+    for pipeline in PIPELINES:
+        path = arguments.output.with_name(f"{pipeline}.skops")
+        path.replace(PACKAGED_MODEL) if pipeline == chosen else path.unlink()
+
+
+if __name__ == "__main__":
+    main()
