@@ -19,14 +19,15 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.compute as pc
 from sklearn.model_selection import StratifiedKFold
+from tqdm import tqdm
 
-from visuohaptic.evaluation.sign_changes import sign_change_test
+from visuohaptic.evaluation.intervals import PairedComparison, compare_paired
 from visuohaptic.exploration.examples import examples
 from visuohaptic.exploration.recognising import PACKAGED_MODEL
 from visuohaptic.meshes.catalogue import TEST_CLASSES
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.model import RecognitionModel, fit_model
-from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
 from visuohaptic.recognition.stored_models import save_model
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
 from visuohaptic.tables.phases import FEATURES
@@ -103,29 +104,33 @@ def measure(objects: dict[Owner, pa.Table], pipeline: str) -> pd.DataFrame:
     strange = {owner: rows for owner, rows in objects.items() if owner[0] in TEST_CLASSES}
     folds = StratifiedKFold(FOLDS, shuffle=True, random_state=SEED)
     found = []
-    for fold, (train, test) in enumerate(folds.split(known, [one[0] for one in known])):
+    divided = list(folds.split(known, [one[0] for one in known]))
+    for fold, (train, test) in enumerate(tqdm(divided, desc=pipeline, unit="model")):
         model = fit([objects[known[index]] for index in train], pipeline)
         asked = {known[index]: objects[known[index]] for index in test} | strange
         found += [{"fold": fold, "pipeline": pipeline, **row} for row in answers(model, asked)]
-        print(pipeline, "fold", fold + 1, "of", FOLDS, flush=True)
     return pd.DataFrame(found)
 
 
-def choose(measured: pd.DataFrame, seconds: float, size: int) -> tuple[str, float, float]:
-    """Apply the rule: return the pipeline, the gain of `learned` as a share of objects, and its p value.
-
-    `seconds` and `size` are processor seconds and bytes of the model of `learned`.
-    """
+def gain_of(measured: pd.DataFrame) -> PairedComparison:
+    """Compare the share of held-out objects that pipeline `learned` names right with that of `order_free`, in pairs."""
     known = measured[~measured["class"].isin(TEST_CLASSES)]
-    right = known.assign(right=known["named"] == known["class"]).pivot(
+    right = known.assign(right=(known["named"] == known["class"]).astype(float)).pivot(
         index=["class", "object"], columns="pipeline", values="right"
     )
-    gains = (right["learned"].astype(float) - right["order_free"].astype(float)).to_numpy()
-    p_value = float(sign_change_test(gains / len(gains), np.random.default_rng(SEED)))
-    is_taken = gains.mean() > 0 and p_value < LEVEL
-    if is_taken and seconds < LONGEST_FIT_S and size < LARGEST_BYTES:
-        return "learned", float(gains.mean()), p_value
-    return "order_free", float(gains.mean()), p_value
+    categories = tuple(right.index.get_level_values("class"))
+    learned, order_free = (right[name].to_numpy() for name in ("learned", "order_free"))
+    return compare_paired(
+        learned, order_free, np.ones(len(right)), IntervalParameters(), categories
+    )
+
+
+def chosen_pipeline(measured: pd.DataFrame, seconds: float, size: int) -> str:
+    """Apply the rule; `seconds` and `size` are processor seconds and bytes of the model of `learned`."""
+    gain = gain_of(measured)
+    is_better = gain.difference.mean > 0 and gain.p_value < LEVEL
+    is_taken = is_better and seconds < LONGEST_FIT_S and size < LARGEST_BYTES
+    return "learned" if is_taken else "order_free"
 
 
 def main() -> None:
@@ -154,11 +159,10 @@ def main() -> None:
         path = arguments.output.with_name(f"{pipeline}.skops")
         save_model(model, path)
         made[pipeline] = {"seconds": seconds, "bytes": path.stat().st_size}
-    chosen, gain, p_value = choose(
-        measured, made["learned"]["seconds"], int(made["learned"]["bytes"])
+    chosen = chosen_pipeline(measured, made["learned"]["seconds"], int(made["learned"]["bytes"]))
+    arguments.output.with_name("chosen.json").write_text(
+        json.dumps({"chosen": chosen, "models": made}, indent=2) + "\n", encoding="utf-8"
     )
-    found = {"chosen": chosen, "gain": gain, "p_value": p_value, "models": made}
-    arguments.output.with_name("chosen.json").write_text(json.dumps(found, indent=2) + "\n")
     for pipeline in PIPELINES:
         path = arguments.output.with_name(f"{pipeline}.skops")
         path.replace(PACKAGED_MODEL) if pipeline == chosen else path.unlink()
