@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := report
-.PHONY: report why verify check test test-all test-hard golden test-slurm test-installed meshes gaze draws cues first_touch learned turned keep baselines bench wheels release paper readme params format lock clean
+.PHONY: report why verify check test test-all test-hard golden test-slurm test-installed meshes gaze draws cues first_touch learned turned keep baselines packaged_model bench wheels release paper readme params format lock clean
 .PHONY: site lint lint-types lint-code lint-workflow installed-alone installed-dvc
 
 export PYTHON ?= python3
@@ -146,6 +146,14 @@ baselines: $(READY)
 	@python -m visuohaptic.studies.keeping baselines $(SET) results/baselines.parquet
 	@python -m baselines.make_page
 
+# The model of the package, from a default run of set `all` (studies/packaged_model/README.md).
+packaged_model: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs
+packaged_model: $(READY)
+	@$(RUN) --cores $(JOBS) --config meshes="{set: all}" -- features_all
+	@python -m packaged_model.measure results/features
+	@python -m visuohaptic.studies.keeping packaged_model all results/packaged_model.parquet
+	@python -m packaged_model.make_page
+
 bench: $(DEVELOP)
 	python -m benchmarks
 
@@ -163,6 +171,7 @@ readme: $(DEVELOP) report
 	python -m baselines.make_page
 	python -m touch_agents.make_page
 	python -m touch_agents.make_learning_page
+	python -m packaged_model.make_page
 	python docs/make_claims.py
 	python docs/make_study_pictures.py
 	python docs/make_two_questions.py

@@ -8,25 +8,26 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from filling import fill_page, points, share, table
+from filling import fill_page, points, save_picture, share, table
 from matplotlib.figure import Figure as Chart
 
-from packaged_model.measure import gain_of
+from packaged_model.measure import CHOSEN, gain_of
 from visuohaptic.evaluation.intervals import object_interval
 from visuohaptic.meshes.catalogue import TEST_CLASSES
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.drawing import COLOURS, style
 from visuohaptic.report.estimates import estimate, with_interval
 from visuohaptic.report.wording import percent
+from visuohaptic.studies.keeping import kept_file
 
 HERE = Path(__file__).parent
 PAGE = HERE / "README.md"
-PICTURE = HERE / "classes.png"
+PICTURE = HERE / "packaged_model.png"
 
 
 def kept_answers() -> pd.DataFrame:
     """Read the kept answers, with a column for right names and one for test classes."""
-    answers = pd.read_parquet(HERE / "kept_answers.parquet")
+    answers = pd.read_parquet(kept_file(HERE, "all"))
     return answers.assign(
         right=answers["named"] == answers["class"], strange=answers["class"].isin(TEST_CLASSES)
     )
@@ -34,7 +35,7 @@ def kept_answers() -> pd.DataFrame:
 
 def chosen() -> dict[str, object]:
     """Read what the rule chose, with processor seconds and bytes of both models."""
-    return dict(json.loads((HERE / "chosen.json").read_text(encoding="utf-8")))
+    return dict(json.loads(CHOSEN.read_text(encoding="utf-8")))
 
 
 def sentence(answers: pd.DataFrame) -> str:
@@ -108,4 +109,4 @@ def draw(answers: pd.DataFrame) -> Chart:
 
 if __name__ == "__main__":
     fill_page(PAGE, blocks())
-    draw(kept_answers()).savefig(PICTURE, dpi=110, facecolor="white")
+    save_picture(draw(kept_answers()), PICTURE)

@@ -42,6 +42,8 @@ LONGEST_FIT_S = 300.0
 LARGEST_BYTES = 10_000_000
 LEVEL = 0.05
 PARAMETERS = RecognitionParameters(frame="vertical")
+CHOSEN = Path(__file__).with_name("chosen.json")
+"""The chosen pipeline, and processor seconds and bytes of both models."""
 
 Owner = tuple[str, str]
 """Class and name of an object."""
@@ -137,9 +139,7 @@ def main() -> None:
     """Measure both pipelines, choose one by the rule, and write the package's model and the answers."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("features", type=Path, help="results/features of a run of set all")
-    parser.add_argument(
-        "--output", type=Path, default=Path(__file__).with_name("kept_answers.parquet")
-    )
+    parser.add_argument("--output", type=Path, default=Path("results/packaged_model.parquet"))
     arguments = parser.parse_args()
     table = read_table(FEATURES, sorted(arguments.features.rglob("*.parquet")))
     objects = by_object(table.filter(pc.equal(table["strategy"], "fixation")))
@@ -160,7 +160,7 @@ def main() -> None:
         save_model(model, path)
         made[pipeline] = {"seconds": seconds, "bytes": path.stat().st_size}
     chosen = chosen_pipeline(measured, made["learned"]["seconds"], int(made["learned"]["bytes"]))
-    arguments.output.with_name("chosen.json").write_text(
+    CHOSEN.write_text(
         json.dumps({"chosen": chosen, "models": made}, indent=2) + "\n", encoding="utf-8"
     )
     for pipeline in PIPELINES:
