@@ -18,6 +18,7 @@ import numpy as np
 import pandas as pd
 import pyarrow as pa
 import pyarrow.compute as pc
+from joblib import Parallel, delayed
 from sklearn.model_selection import StratifiedKFold
 from tqdm import tqdm
 
@@ -143,7 +144,8 @@ def main() -> None:
     arguments = parser.parse_args()
     table = read_table(FEATURES, sorted(arguments.features.rglob("*.parquet")))
     objects = by_object(table.filter(pc.equal(table["strategy"], "fixation")))
-    measured = pd.concat([measure(objects, pipeline) for pipeline in PIPELINES], ignore_index=True)
+    both = Parallel(n_jobs=2)(delayed(measure)(objects, pipeline) for pipeline in PIPELINES)
+    measured = pd.concat(both, ignore_index=True)
     measured.to_parquet(arguments.output, index=False)
     learnt = [objects[owner] for owner in admitted(list(objects))]
     made: dict[str, dict[str, float]] = {}
