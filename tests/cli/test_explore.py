@@ -185,7 +185,7 @@ def test_without_a_model_of_a_run_the_packages_is_taken(visuohaptic, tmp_path):
     ended = visuohaptic("recognise", ring(tmp_path / "ring.obj"), "--viewpoints", 1, "--json")
     values = json.loads(ended.out)
     assert values["model"].endswith("visuohaptic/exploration/recogniser.skops")
-    assert set(values["probabilities"]) == {"bottle", "car", "chair", "quadruped"}
+    assert {"bottle", "car", "chair", "cup", "quadruped"} < set(values["probabilities"])
 
 
 def test_an_unforeseen_error_is_a_sentence_and_debug_shows_where(

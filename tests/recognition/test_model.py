@@ -232,6 +232,15 @@ def test_a_model_of_too_few_objects_does_not_say_whether_an_object_is_unknown(ob
     assert answer.novelty_rank == pytest.approx(sum(objects) / (sum(objects) + 1))
 
 
+def test_a_saved_model_lacks_the_covariances_that_no_prediction_reads(tmp_path):
+    model = fit(LARGER, "linear_discriminant")
+    recognition.save_model(model, tmp_path / "a.skops")
+    loaded = recognition.load_model(tmp_path / "a.skops")
+    for fitted, has_covariances in ((model, True), (loaded, False)):
+        discriminants = [one.estimator for one in fitted.estimator[-1].calibrated_classifiers_]
+        assert {hasattr(one, "covariance_") for one in discriminants} == {has_covariances}
+
+
 def test_a_model_of_the_papers_pipeline_answers_and_is_not_saved(tmp_path):
     model = fit(TABLE, "naive_bayes", "paper")
     assert next(iter(model.recognise(rows_of(OTHER, "class1", "object3")))) == "class1"

@@ -175,7 +175,7 @@ def recognise(
 
     The objects are touched with the parameters of the model's training objects, and with their strategy unless
     --strategy names another one. Then a line says so, and no prediction set is stated. Without a model of a run,
-    the model of the package is used, which knows bottle, car, chair and quadruped.
+    the model of the package is used, which knows everyday things from armchair to washbasin.
 
     Example: visuohaptic recognise mug.obj --model results/models/recogniser.skops
     """

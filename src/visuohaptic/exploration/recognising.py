@@ -27,7 +27,7 @@ DEFAULT_MODEL = Path("results/models/recogniser.skops")
 """The model file that the workflow writes, relative to the working directory."""
 
 PACKAGED_MODEL = Path(__file__).with_name("recogniser.skops")
-"""The model file of the package, fitted by a run with default parameters on the paper's twelve objects."""
+"""The model file of the package, fitted on objects of set ``all`` by a written rule (studies/packaged_model)."""
 
 _MAY_DIFFER = ("viewpoints.count", "attention.fixations")
 """Parameters that may differ between the touches of an object and the training touches of a model."""

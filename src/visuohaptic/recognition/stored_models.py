@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import io
 import json
 import zipfile
@@ -55,6 +56,15 @@ _SCHEMA = "schema.json"  # of skops
 _TEXTS = ("pipeline", "classifier", "touches", "touching")
 
 
+def _without_covariances(estimator: Pipeline) -> Pipeline:
+    """Copy a fitted pipeline without the covariances of its linear discriminants, which no prediction reads."""
+    copied = copy.deepcopy(estimator)
+    for calibrated in getattr(copied[-1], "calibrated_classifiers_", ()):
+        if isinstance(calibrated.estimator, LinearDiscriminantAnalysis):
+            vars(calibrated.estimator).pop("covariance_", None)
+    return copied
+
+
 def save_model(model: RecognitionModel, path: str | Path) -> None:
     """Write a model of pipeline ``order_free`` or ``learned`` with skops. Missing folders are made.
 
@@ -79,7 +89,7 @@ def save_model(model: RecognitionModel, path: str | Path) -> None:
                     "parameters": model.parameters.model_dump(mode="json"),
                 }
             ),
-            "estimator": model.estimator,
+            "estimator": _without_covariances(model.estimator),
             "waves": asdict(model.waves),
             "certainties": {
                 strategy: asdict(certainty) for strategy, certainty in model.certainties.items()

@@ -38,7 +38,11 @@ def test_the_packaged_model_learnt_what_the_rule_admits_of_the_answers(answers, 
     model = vh.read_recogniser(PACKAGED_MODEL).model
     asked = answers[~answers["class"].isin(TEST_CLASSES)]
     owners = sorted(set(zip(asked["class"], asked["object"], strict=True)))
-    assert sorted(model.objects) == owners == admitted(owners)
+    assert owners == admitted(owners)
+    # Two trees have no view with five places in reach, which a training sequence needs.
+    assert {category for category, _ in {*owners} - {*model.objects}} <= {"tree"}
+    assert len(owners) - len(model.objects) == 2
+    assert {*model.objects} < {*owners}
     assert (model.pipeline, model.parameters.frame) == (chosen, "vertical")
 
 
