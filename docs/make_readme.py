@@ -192,9 +192,10 @@ def first_touch() -> str:
 
 
 def _wrapped(text: str) -> str:
-    plain = text.replace("\N{NO-BREAK SPACE}", " ")
+    """Wrap a paragraph or list item; a line that began with a per cent sign would be a comment on the site."""
     indent = "  " if text.startswith("- ") else ""
-    return textwrap.fill(plain, 100, break_on_hyphens=False, subsequent_indent=indent)
+    lines = textwrap.fill(text, 100, break_on_hyphens=False, subsequent_indent=indent)
+    return lines.replace("\N{NO-BREAK SPACE}", " ")
 
 
 def cost_table(frontier: pd.DataFrame, cost: CostParameters) -> str:

@@ -65,6 +65,13 @@ MAKEFILE = (ROOT / "Makefile").read_text()
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_no_line_of_a_page_is_a_comment_on_the_site(page):
+    # MyST reads a line that begins with a per cent sign as a comment, and the text is lost.
+    outside = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+    assert re.findall(r"^\s*%.*$", outside, re.M) == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_prose_is_wrapped_at_100_columns(page):
     prose = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.M | re.DOTALL)
     # Code within a line is not broken.
