@@ -657,7 +657,7 @@ def draw_certainty() -> Figure:
 def draw_intervals() -> Figure:
     """Draw a lead by class with both intervals, and how wide intervals are by number of objects."""
     settings = IntervalParameters()
-    kept = read_kept_leads(settings, by_class=True)
+    kept = read_kept_leads(settings)
     [lead] = [
         lead
         for lead in kept.leads

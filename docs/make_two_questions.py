@@ -77,7 +77,7 @@ def leads_by_class(shown: Sequence[KeptLead]) -> Chart:
 
 
 if __name__ == "__main__":
-    kept = read_kept_leads(IntervalParameters(), by_class=True)
+    kept = read_kept_leads(IntervalParameters())
     fill_page(DOCS / "two_questions.md", blocks(kept))
     main = [
         lead

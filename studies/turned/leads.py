@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import product
 from pathlib import Path
 
@@ -43,9 +44,27 @@ class _Measured:
 
 @dataclass(frozen=True)
 class KeptLead(Lead):
-    """A kept lead; `by_class` is the mean lead of each class's objects, empty unless `read_kept_leads` is asked for it."""
+    """A kept lead, with the accuracies of the first and the second strategy over the same objects."""
 
-    by_class: Mapping[str, Figure] = field(default_factory=dict)
+    first: ObjectAccuracies = field(kw_only=True)
+    second: ObjectAccuracies = field(kw_only=True)
+    intervals: IntervalParameters = field(kw_only=True)
+
+    @cached_property
+    def by_class(self) -> Mapping[str, Figure]:
+        """The mean lead of each class's objects, with its interval for new objects."""
+        categories = np.array(self.first.classes)
+        leads = {}
+        for category in np.unique(categories).tolist():
+            rows = categories == category
+            compared = compare_paired(
+                self.first.accuracy[rows],
+                self.second.accuracy[rows],
+                self.first.weights[rows],
+                self.intervals,
+            )
+            leads[category] = estimate(compared.difference)
+        return leads
 
 
 @dataclass(frozen=True)
@@ -75,14 +94,12 @@ def read_kept_leads(
     name: str = LARGEST_SET,
     draws_folder: Path = DRAWS_FOLDER,
     turned_folder: Path = FOLDER,
-    *,
-    by_class: bool = False,
 ) -> KeptLeads | None:
     """Read the kept leads of a set of objects; None if there are none of the set.
 
     Leads of upright objects with the whole frame known are means over draws of the places, of the tables in
-    `draws_folder`. All other leads are means over draws of the turns, of the tables in `turned_folder`. With
-    `by_class`, each lead has also the leads of classes. Raises `ReportError` if a kept file is damaged.
+    `draws_folder`. All other leads are means over draws of the turns, of the tables in `turned_folder`. Raises
+    `ReportError` if a kept file is damaged.
     """
     drawn, turned = read_kept(draws_folder).get(name), read_turned(turned_folder).get(name)
     by_condition: dict[_Condition, dict[str, _Measured]] = {}
@@ -91,7 +108,7 @@ def read_kept_leads(
     if turned is not None:
         by_condition = {**_of_turns(turned), **by_condition}
     leads = [
-        _lead(lead, condition, measured[plus], measured[minus], intervals, by_class=by_class)
+        _lead(lead, condition, measured[plus], measured[minus], intervals)
         for condition, measured in by_condition.items()
         for lead, (plus, minus) in LEADS.items()
         if plus in measured and minus in measured
@@ -204,8 +221,6 @@ def _lead(
     first: _Measured,
     second: _Measured,
     intervals: IntervalParameters,
-    *,
-    by_class: bool,
 ) -> KeptLead:
     """Compute a lead; the objects that both strategies tested are not empty."""
     plus, minus = in_common(first.mean, second.mean)
@@ -218,23 +233,10 @@ def _lead(
         len(plus.objects),
         lead_figure(compared),
         over_draws.standard_deviation if over_draws else 0.0,
-        _of_classes(plus, minus, intervals) if by_class else {},
+        first=plus,
+        second=minus,
+        intervals=intervals,
     )
-
-
-def _of_classes(
-    plus: ObjectAccuracies, minus: ObjectAccuracies, intervals: IntervalParameters
-) -> dict[str, Figure]:
-    """Compute the lead of each class's objects."""
-    categories = np.array(plus.classes)
-    leads = {}
-    for category in np.unique(categories).tolist():
-        rows = categories == category
-        compared = compare_paired(
-            plus.accuracy[rows], minus.accuracy[rows], plus.weights[rows], intervals
-        )
-        leads[category] = estimate(compared.difference)
-    return leads
 
 
 def _place(lead: Lead) -> tuple[int, ...]:

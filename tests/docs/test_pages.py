@@ -16,6 +16,7 @@ from importlib.util import find_spec
 from operator import getitem
 from pathlib import Path
 
+import numpy as np
 import pyarrow.compute as pc
 import pytest
 import trimesh
@@ -31,6 +32,7 @@ from turned.leads import read_kept_leads
 from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.cli.commands import app
 from visuohaptic.evaluation.held_out import summarise_evaluation
+from visuohaptic.evaluation.means_over_draws import ObjectAccuracies
 from visuohaptic.fixations.probing import PLANNED
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.phases import OF_OBJECT, PHASES, Phase
@@ -255,9 +257,13 @@ def test_leads_by_class_are_drawn_in_the_order_of_the_first_lead(run_script):
     from turned.leads import KeptLead
 
     def lead_of(name, **by_class):
-        means = {category: Estimate(mean) for category, mean in by_class.items()}
-        lead = (name, "paper", "none", "full", 5, 142, Estimate(0.1))
-        return KeptLead(*lead, by_class=means)
+        owners, ones = tuple((category, "a") for category in by_class), np.ones(len(by_class))
+        return KeptLead(
+            *(name, "paper", "none", "full", 5, 142, Estimate(0.1)),
+            first=ObjectAccuracies(owners, np.array([*by_class.values()]), ones),
+            second=ObjectAccuracies(owners, 0 * ones, ones),
+            intervals=IntervalParameters(),
+        )
 
     shown = [lead_of("seeing", cup=-0.2, sofa=0.4, bed=0.1), lead_of("salience", sofa=0.2)]
     (axes,) = run_script("docs/make_two_questions")["leads_by_class"](shown).axes

@@ -77,7 +77,7 @@ def test_two_upright_poses_are_named_together():
 
 @pytest.fixture(scope="module")
 def kept():
-    return read_kept_leads(IntervalParameters(), by_class=True)
+    return read_kept_leads(IntervalParameters())
 
 
 def recomputed():
