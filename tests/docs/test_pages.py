@@ -289,8 +289,13 @@ def test_the_page_of_the_two_questions_shows_the_kept_leads(run_script):
     "script",
     [
         *("baselines/make_page", "cues/make_page", "draws/make_page", "first_touch/make_page"),
-        *("known_objects/make_page", "learned/make_page", "touch_agents/make_page"),
-        *("touch_agents/make_learning_page", "turned/make_page", "variants/make_page"),
+        *("known_objects/make_page", "learned/make_page", "packaged_model/make_page"),
+        *(
+            "touch_agents/make_page",
+            "touch_agents/make_learning_page",
+            "turned/make_page",
+            "variants/make_page",
+        ),
     ],
 )
 def test_the_page_of_a_study_shows_what_the_study_keeps(script, run_script):
