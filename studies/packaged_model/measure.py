@@ -79,7 +79,10 @@ def fit(rows: list[pa.Table], pipeline: str) -> RecognitionModel:
 
 
 def answers(model: RecognitionModel, objects: dict[Owner, pa.Table]) -> Iterator[dict[str, Any]]:
-    """Yield what a model answers for each object from all views, and the share of single views that it names right."""
+    """Yield what a model answers for each object from all views: its likeliest class, ``named``, and the prediction set.
+
+    ``views`` is the share of single views from which the model names the object right, in [0, 1].
+    """
     for (category, name), rows in objects.items():
         answer = model.answer(rows)
         views = [
@@ -90,7 +93,6 @@ def answers(model: RecognitionModel, objects: dict[Owner, pa.Table]) -> Iterator
             "class": category,
             "object": name,
             "named": next(iter(answer.probabilities)),
-            "third": list(answer.probabilities)[:3],
             "candidates": list(answer.candidates or ()),
             "unknown": answer.unknown,
             "novelty_rank": answer.novelty_rank,
@@ -101,7 +103,8 @@ def answers(model: RecognitionModel, objects: dict[Owner, pa.Table]) -> Iterator
 def measure(objects: dict[Owner, pa.Table], pipeline: str) -> pd.DataFrame:
     """Answer for each admitted object by a model that did not learn it, and for objects of the test classes.
 
-    Objects of the test classes have one row per model.
+    Returns one row per answer, with the columns of `answers`, ``fold`` and ``pipeline``. Objects of the test classes have
+    one row per model.
     """
     known = admitted(list(objects))
     strange = {owner: rows for owner, rows in objects.items() if owner[0] in TEST_CLASSES}
@@ -165,9 +168,9 @@ def main() -> None:
     CHOSEN.write_text(
         json.dumps({"chosen": chosen, "models": made}, indent=2) + "\n", encoding="utf-8"
     )
+    arguments.output.with_name(f"{chosen}.skops").replace(PACKAGED_MODEL)
     for pipeline in PIPELINES:
-        path = arguments.output.with_name(f"{pipeline}.skops")
-        path.replace(PACKAGED_MODEL) if pipeline == chosen else path.unlink()
+        arguments.output.with_name(f"{pipeline}.skops").unlink(missing_ok=True)
 
 
 if __name__ == "__main__":
