@@ -82,10 +82,13 @@ if __name__ == "__main__":
     main = [
         lead
         for lead in kept.leads
-        if lead.known == "full" and lead.pipeline != "literal" and lead.name in OF_README
+        if lead.known == "full"
+        and lead.pipeline != "literal"
+        and lead.turns != "vertical"
+        and lead.name in OF_README
     ]
-    for name, leads in (("leads", main), ("leads_by_frame", kept.leads)):
-        save_picture(figures.leads(leads), PICTURES / f"{name}.png", 150)
+    save_picture(figures.leads(main), PICTURES / "leads.png", 100)
+    save_picture(figures.leads(kept.leads), PICTURES / "leads_by_frame.png", 150)
     for leads in kept.by_class():
         save_picture(
             leads_by_class(leads), PICTURES / f"leads_by_class_{leads[0].pipeline}.png", 150
