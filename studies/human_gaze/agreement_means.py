@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import cycle, islice
 from typing import Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from visuohaptic.evaluation.intervals import (
     UNBOUNDED,
     Bounds,
     Interval,
+    compare_differences,
     object_interval,
 )
 from visuohaptic.recognition.parameters import IntervalParameters
@@ -87,21 +87,16 @@ def _summed(rows: Sequence[Mapping[str, Any]], against: str) -> list[PredictorRo
         return []
     predictors = [predictor for predictor in PREDICTORS if predictor.name in by_name]
     figures = [_figures(by_name[predictor.name]) for predictor in predictors]
-    base = _figures(by_name[against])[:, :1]
-    columns = np.column_stack(
-        [column for values in figures for column in (values, values[:, :1] - base)]
-    )
-    weights = np.ones(len(base))
-    bounds = cycle([*SHOWN.values(), _GAIN])
-    intervals = (
-        object_interval(column, weights, IntervalParameters(), limits)
-        for column, limits in zip(columns.T, bounds, strict=False)
-    )
+    base = _figures(by_name[against])[:, 0]
+    weights, parameters = np.ones(len(base)), IntervalParameters()
     return [
         PredictorRow(
             predictor,
-            dict(zip(SHOWN, islice(intervals, len(SHOWN)), strict=True)),
-            next(intervals),
+            {
+                name: object_interval(column, weights, parameters, bounds)
+                for (name, bounds), column in zip(SHOWN.items(), values.T, strict=True)
+            },
+            compare_differences(values[:, 0] - base, weights, parameters, _GAIN).difference,
             int((values[:, 0] > 0).sum()),
             len(base),
         )

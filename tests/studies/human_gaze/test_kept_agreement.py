@@ -2,11 +2,14 @@
 
 import re
 
+import numpy as np
 import pyarrow.parquet as pq
 
 from human_gaze.agreement_means import beside_peer, summarise
 from human_gaze.section import KEPT
 from human_gaze.tables import AGREEMENT
+from visuohaptic.evaluation.intervals import compare_differences
+from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.studies.keeping import read_source
 from visuohaptic.tables.schema import read_table
 
@@ -52,4 +55,6 @@ def test_the_leads_of_the_page_are_paired_over_objects():
         index="object", columns="predictor", values="correlation"
     )
     for name in ("facing", "place"):
-        assert f"by {(rows['chosen'] - rows[name]).mean():.3f} (" in page
+        differences = (rows["chosen"] - rows[name]).to_numpy()
+        lead = compare_differences(differences, np.ones(54), IntervalParameters(), (-2.0, 2.0))
+        assert f"by {words(lead.difference)}" in page
