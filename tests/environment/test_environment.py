@@ -337,6 +337,27 @@ def test_the_sensor_is_upright_in_the_agents_frame_so_that_imprints_do_not_tell_
         assert after["imprint"][row] == pytest.approx(felt.images[0], abs=1e-3)
 
 
+@pytest.mark.parametrize("frame", ["full", "vertical", "centre", "none"])
+def test_the_sensor_may_be_upright_in_the_objects_frame_and_then_no_axis_tells_the_turn(
+    make, frame
+):
+    touches = {}
+    for upright in ("object", "frame"):
+        environment = make(4, frame=frame, upright=upright)
+        seen, told = environment.reset(seed=3)
+        after = environment.step(valid_action(seen))[0]
+        touches[upright] = after
+    own = make(4)
+    options = {"object": told["object"].tolist(), "viewpoint": told["viewpoint"].tolist()}
+    seen, _ = own.reset(seed=3, options=options)
+    known = own.step(valid_action(seen))[0]
+    assert np.array_equal(touches["object"]["imprint"], known["imprint"])
+    assert np.array_equal(touches["frame"]["imprint"], known["imprint"]) == (frame == "full")
+    assert touches["frame"]["pose"][:, 6:].any()
+    assert touches["object"]["pose"][:, 6:].any() == (frame == "full")
+    assert np.array_equal(touches["object"]["pose"][:, :6], touches["frame"]["pose"][:, :6])
+
+
 def test_objects_are_turned_as_in_the_workflow(make, objects):
     environment = make(turns="any", turn_draws=3)
     environment.reset(seed=0, options={"object": "box/1", "turn_draw": 2})

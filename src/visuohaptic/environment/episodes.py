@@ -29,10 +29,7 @@ _TURNS_OF_FRAME: Mapping[Frame, Turns] = {"vertical": "vertical", "centre": "any
 
 @dataclass(frozen=True, eq=False)
 class KnownFrame:
-    """The frame of an agent's coordinates: x ↦ rotation · x + shift of the object frame; None is the identity.
-
-    The sensor is upright in this frame, so that an imprint does not tell the frame's rotation.
-    """
+    """The frame of an agent's coordinates: x ↦ rotation · x + shift of the object frame; None is the identity."""
 
     rotation: FloatArray | None = None
     shift: FloatArray | float = 0.0
@@ -58,14 +55,14 @@ class KnownFrame:
         return Poses(poses.points, poses.normals, columns, row_axes(poses.normals, columns))
 
 
-def draw_frame(settings: TouchSettings, seed: int, *keys: object) -> KnownFrame:
-    """Draw the frame of an episode with the keys `keys`."""
-    if settings.frame == "full":
+def draw_frame(frame: Frame, generator: np.random.Generator) -> KnownFrame:
+    """Draw the frame of an episode; `generator` is that of a policy's view, which an agent in the experiment has too."""
+    if frame == "full":
         return KnownFrame()
-    rotation = draw_rotation(_TURNS_OF_FRAME[settings.frame], "/".join(map(str, keys)), seed)
-    if settings.frame != "none":
+    rotation = draw_rotation(_TURNS_OF_FRAME[frame], "frame", int(generator.integers(2**31)))
+    if frame != "none":
         return KnownFrame(rotation)
-    return KnownFrame(rotation, spawn_generator(seed, "shift", *keys).uniform(-1.0, 1.0, 3))
+    return KnownFrame(rotation, generator.uniform(-1.0, 1.0, 3))
 
 
 @dataclass(eq=False)
@@ -135,6 +132,15 @@ class Episode:
         """Whether all tries of the episode are made, so that the next prediction ends it."""
         return self.tried >= self.settings.touches
 
+    @property
+    def tells_columns(self) -> bool:
+        """Whether the sensor is upright in the agent's frame, so that the axis of its columns tells no turn."""
+        return self.settings.upright == "frame" or self.settings.frame == "full"
+
+    def sensors(self, poses: Poses) -> Poses:
+        """Return the sensors that touch at poses which are upright in the object frame."""
+        return self.frame.orient(poses, self.body.parameters) if self.tells_columns else poses
+
     def candidate(self, index: int) -> Landing | None:
         """Return the candidate place at an index; None if there is none."""
         places = self.sight.candidates
@@ -145,6 +151,8 @@ class Episode:
 
     def aim(self, choice: FloatArray) -> FloatArray | None:
         """Return the point (1, 3), object frame, that a direction (2,) or point (3,) aims at; None beside the object."""
+        if self.settings.action == "object_point":
+            return choice[None] - self.offset
         if self.settings.action == "point":
             return self.frame.back(choice)[None] - self.offset
         view = self.sight.policy_view
@@ -186,7 +194,9 @@ class Episode:
         if felt is not None:
             normals = self.frame.vectors(felt.normal[None])
             pose[:3] = self.frame.points(felt.point + self.seen_at)
-            pose[3:6], pose[6:] = normals[0], column_axes(normals, sensor.orientation)[0]
+            pose[3:6] = normals[0]
+            if self.tells_columns:
+                pose[6:] = column_axes(normals, sensor.orientation)[0]
         seen: Observation = {
             "imprint": np.zeros((resolution, resolution), np.float32)
             if felt is None or felt.imprint is None

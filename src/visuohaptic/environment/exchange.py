@@ -1,12 +1,13 @@
 """Policies of the experiment as agents of the environment, and agents as policies of the experiment.
 
-Both make the same touches, bit for bit, with full frame, objects that stay where they are, and draw 0 of the same
-`random_stream`.
+Both make the same touches, bit for bit, with objects that stay where they are, draw 0 of the same `random_stream`, and
+in frames other than ``full`` with a sensor that is upright in the object's frame, as the experiment's sensor is.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from copy import deepcopy
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
@@ -18,7 +19,7 @@ from visuohaptic.active.registry import policy_of
 from visuohaptic.active.sessions import PolicySession, start_sessions
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import ParameterError
-from visuohaptic.environment.episodes import Episode, KnownFrame, Observation
+from visuohaptic.environment.episodes import Episode, Observation, draw_frame
 from visuohaptic.environment.settings import TouchSettings
 from visuohaptic.environment.sight import Body, land, look
 from visuohaptic.geometry.subject import Subject
@@ -33,7 +34,9 @@ Agent = Callable[[Observation], ArrayLike]
 
 
 class PolicyAgent:
-    """Chooses points by a policy of the experiment, for an environment with action ``point``.
+    """Chooses points by a policy of the experiment, for an environment with action ``object_point``.
+
+    In frame ``full`` action ``point`` is the same.
 
     Parameters
     ----------
@@ -45,7 +48,7 @@ class PolicyAgent:
     Raises
     ------
     ParameterError
-        If the environment has another action, a frame other than ``full``, or noise.
+        If the environment has another action, noise, or a sensor that is upright in another frame than the object's.
     RegistryError
         If no policy has the name.
     """
@@ -53,9 +56,13 @@ class PolicyAgent:
     def __init__(self, environment: TouchVectorEnv | TouchEnv, policy: str) -> None:
         self._vector: Any = getattr(environment, "vector", environment)
         settings = self._vector.settings
-        if settings.action != "point":
+        if settings.action != "object_point" and (settings.action, settings.frame) != (
+            "point",
+            "full",
+        ):
             raise ParameterError(
-                f"action is {settings.action!r}; a policy needs an environment with action 'point'."
+                f"action is {settings.action!r} in frame {settings.frame!r}; policies choose points of the object's own "
+                "frame: action 'object_point' is needed."
             )
         _check_exchange(settings)
         self._policy = policy_of(policy)
@@ -121,7 +128,7 @@ def agent_policy(
     Raises
     ------
     ParameterError
-        If a setting is not allowed, frame is not ``full``, or the object moves.
+        If a setting is not allowed, the object moves, or the sensor is upright in another frame than the object's.
     """
     checked = TouchSettings.checked({**settings, "random_stream": name})
     _check_exchange(checked)
@@ -148,7 +155,9 @@ class _Steps:
         # A policy is told neither object nor viewpoint. The noise of its touches is drawn by the experiment.
         body = Body("unknown/object", lambda: view.caster.surface, settings, parameters)
         sight = look(view, settings, parameters)
-        self._episode = Episode(body, 0, sight, settings.random_stream, KnownFrame(), settings)
+        # A copy, so that a policy of this view gets its first numbers too. The environment draws from the same state.
+        frame = draw_frame(settings.frame, deepcopy(view.generator))
+        self._episode = Episode(body, 0, sight, settings.random_stream, frame, settings)
         self._agent, self._seen = agent, self._episode.observe_sight()
 
     def next_point(self, tries: Sequence[Felt]) -> FloatArray | None:
@@ -178,8 +187,12 @@ class _Steps:
 
 def _check_exchange(settings: TouchSettings) -> None:
     """Raise `ParameterError` if the experiment can't make the touches of an environment."""
-    if settings.frame != "full" or settings.noise:
+    if settings.noise:
         raise ParameterError(
-            f"frame is {settings.frame!r} and noise is {settings.noise:g}; policies of the experiment need the frame "
-            "'full' and noise 0."
+            f"noise is {settings.noise:g}; objects of the experiment stay where they are: noise 0 is needed."
+        )
+    if settings.frame != "full" and settings.upright != "object":
+        raise ParameterError(
+            f"upright is {settings.upright!r} in frame {settings.frame!r}; the experiment's sensor is upright in the "
+            "object's frame, so that its imprints lie otherwise: upright 'object' is needed."
         )

@@ -27,10 +27,11 @@ class TouchSettings(Section):
         ("view", "saliency", "fixations", "places"),
         description="Parts of the observation beside the last touch; without `fixations`, these are no candidates",
     )
-    action: Literal["place", "direction", "point"] = Field(
+    action: Literal["place", "direction", "point", "object_point"] = Field(
         "place",
         description="`place`: index of a candidate place, the next index ends the episode; `direction`: position in "
-        "the view, right and up, -1 to 1; `point`: coordinates of a point on the surface",
+        "the view, right and up, -1 to 1; `point`: coordinates of a point on the surface; `object_point`: the same in "
+        "the object's own frame, in which policies of the experiment choose",
     )
     places: int = Field(
         64,
@@ -42,6 +43,11 @@ class TouchSettings(Section):
         "full",
         description="What is known of the frame of all coordinates: in each episode they are turned about the "
         "vertical (`vertical`), about any axis (`centre`), or also shifted (`none`); `full`: neither",
+    )
+    upright: Literal["frame", "object"] = Field(
+        "frame",
+        description="Where the sensor is upright: in the known frame (`frame`), so that no imprint tells the turn, or in "
+        "the object's own frame as in the experiment (`object`); the axis of the imprint's columns is then not told",
     )
     turns: Turns = Field(
         "none",

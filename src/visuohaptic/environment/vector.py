@@ -19,6 +19,7 @@ from visuohaptic.active.sessions import felt_nothing, felt_touch
 from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.base.draw_names import DRAW_MARK
 from visuohaptic.base.errors import ParameterError
+from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.environment.episodes import Episode, Observation, draw_frame
 from visuohaptic.environment.objects import (
     Objects,
@@ -269,7 +270,8 @@ class TouchVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         key, viewpoint, draw = drawn["object"], drawn["viewpoint"], drawn["draw"]
         stream = self.settings.random_stream + (f"{DRAW_MARK}{draw}" if draw else "")
         body = self._body(key, 0 if turns == "none" else drawn["turn_draw"])
-        frame = draw_frame(self.settings, self.parameters.seed, stream, key, viewpoint)
+        of_view = spawn_generator(self.parameters.seed, stream, key, viewpoint)
+        frame = draw_frame(self.settings.frame, of_view)
         self.numbers[row] += 1
         return Episode(body, viewpoint, body.sight(viewpoint), stream, frame, self.settings)
 
@@ -414,10 +416,7 @@ class TouchVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         """Touch an object at one place per episode, as `sensor.touch` does."""
         sensor, scene = self.parameters.sensor, self.parameters.scene
         poses = join_poses(
-            [
-                episode.frame.orient(place.poses, self.parameters)
-                for episode, place in zip(episodes, places, strict=True)
-            ]
+            [episode.sensors(place.poses) for episode, place in zip(episodes, places, strict=True)]
         )
         fields = RandomFields(self.parameters.seed, [one.random_key for one in episodes])
         mode, caster = scene.effects.adaptive_size, body.subject.caster
