@@ -14,7 +14,8 @@ from PIL import Image
 
 from visuohaptic.report.drawing import style
 from visuohaptic.report.estimates import Figure as Estimate
-from visuohaptic.studies.keeping import read_figures
+from visuohaptic.report.wording import listed
+from visuohaptic.studies.keeping import kept_file, read_figures, read_source
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -52,6 +53,12 @@ def save_picture(chart: Figure, path: Path, dpi: int = 110) -> None:
     colours.save(path, optimize=True)
 
 
+def resized(chart: Figure, height: int, width: int = 760) -> Figure:
+    """Give a chart a size in pixels of `save_picture`, so that the page of a study has room for it in two screens."""
+    chart.set_size_inches(width / 110, height / 110)
+    return chart
+
+
 def kept_figures(kept: Path) -> dict[str, Figures]:
     """Read the figures of a page, by set, from files ``<kept>_<set>.json``."""
     return {name: read_json(kept.with_name(f"{kept.name}_{name}.json")) for name in SETS}
@@ -63,12 +70,14 @@ def figures_of_study(folder: Path, sets: Iterable[str] = SETS) -> dict[str, Any]
 
 
 def measured(folder: Path, sets: Mapping[str, str] = SETS) -> str:
-    """List the day and the commit of kept figures by set; `sets` has the words for each set."""
-    sources = {name: read_figures(folder, name)[1] for name in sets}
-    return "\n".join(
-        f"- {words}: measured on {sources[name].date}, commit {sources[name].commit[:12]}"
-        for name, words in sets.items()
-    )
+    """Say when and at which commit the kept result of each set was measured; `sets` has the words for each set."""
+    places: dict[str, list[str]] = {}
+    for name, words in sets.items():
+        table = kept_file(folder, name)
+        source = read_source(table) if table.exists() else read_figures(folder, name)[1]
+        places.setdefault(f"{source.date}, commit {source.commit[:12]}", []).append(words)
+    said = "; ".join(f"{listed(words)}: {place}" for place, words in places.items())
+    return wrapped(f"Measured once and kept; {said}.")
 
 
 def read_json(path: Path) -> Any:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from filling import DOCS, kept_figures, read_json, save_picture
+from filling import DOCS, kept_figures, read_json, resized, save_picture
 from make_claims import KEPT as CLAIMS
 from make_claims import draw as draw_changes
 from matplotlib.figure import Figure
@@ -56,7 +56,8 @@ def human_gaze() -> Figure:
     axes.set_xlabel("correlation with people's gaze")
     axes.set_xlim(-0.05, 0.65)
     axes.xaxis.set_major_formatter("{x:g}")
-    return chart
+    axes.set_yticks(range(len(labels)), labels)
+    return resized(chart, 380)
 
 
 def _ranked(accuracies: dict[str, float], rows_are: str) -> Figure:

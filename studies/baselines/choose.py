@@ -1,6 +1,8 @@
 """Choose the settings of the baselines on objects that no result reports: `python -m baselines.choose RESULTS`.
 
-README.md beside this file states the rule.
+The rule: the baselines and pipeline `order_free` are tuned on the same 67 objects
+(`classifier_settings`), by the highest mean accuracy over fixation and random touches, five touches, in
+five folds of whole objects. Of settings within 0.1 points of the highest, the first listed is taken.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from filling import SETS, fill_page, plain, save_picture, share, table, wrapped
+from filling import SETS, fill_page, measured, plain, resized, save_picture, share, table, wrapped
 from matplotlib.figure import Figure
 
 from baselines.measure import LENGTHS, OURS, STRATEGIES, KeptBaselines, KeptCell, read_kept
@@ -34,15 +34,11 @@ Cells = Mapping[tuple[str, str, int], KeptCell]
 def blocks() -> dict[str, str]:
     """Return the generated parts of the page by name of the block."""
     kept = {name: read_kept(name) for name in SETS}
-    sources = "; ".join(
-        f"{SETS[name]}: {of_set.source.commit[:12]}, {of_set.source.date}"
-        for name, of_set in kept.items()
-    )
     return {
         "headline": headline(kept),
         "simplest": simplest(kept),
         "accuracies": accuracy_table(kept["benchmark"], kept["paper"]),
-        "sources": wrapped(f"Measured once and kept; {sources}."),
+        "sources": measured(PAGE.parent),
     }
 
 
@@ -70,7 +66,7 @@ def draw(kept: KeptBaselines) -> Figure:
         )
         for strategy in STRATEGIES
     ]
-    return draw_leads([LABELS[name] for name in baselines], "baseline", series)
+    return resized(draw_leads([LABELS[name] for name in baselines], "baseline", series), 330)
 
 
 def headline(kept: Mapping[str, KeptBaselines]) -> str:
@@ -117,7 +113,7 @@ def simplest(kept: Mapping[str, KeptBaselines], strategy: str = "random") -> str
         )
         lines.append(
             f"- {SETS[name]}: {simple} by twenty lines, {paper} by the paper's pipeline, {ours} by ours. Twenty lines "
-            f"are {verdict} the paper's pipeline: {_points(lead)} points."
+            f"are {verdict} the paper's: {_points(lead)} points."
         )
     start = f"**The simplest classifier** of five touches at random places in reach (`{strategy}`):"
     return "\n".join([wrapped(start), "", *(wrapped(line, "  ") for line in lines)])

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 
-from filling import fill_page, plain, save_picture, share, table, wrapped
+from filling import fill_page, measured, plain, resized, save_picture, share, table, wrapped
 from matplotlib.figure import Figure
 
 from cues.kept import MeasuredCues, Setting, kept_cues
@@ -19,12 +18,7 @@ from visuohaptic.report.wording import points
 PAGE = Path(__file__).parent / "README.md"
 PICTURE = PAGE.with_name("cues.png")
 INTERVALS = IntervalParameters()
-SHOWN: Mapping[str, Setting] = {
-    "the paper's pipeline, pose known, five touches": Setting(
-        "new", "none", "full", 5, "paper", "fixation"
-    ),
-    **SETTINGS,
-}
+SHOWN = (Setting("new", "none", "full", 5, "paper", "fixation"), *SETTINGS.values())
 """The settings of the table."""
 DRAWN = {
     "pipeline order_free, pose known": Setting("new", "none", "full", 5, "order_free", "fixation"),
@@ -34,69 +28,83 @@ DRAWN = {
     "the paper's pipeline, pose known": Setting("new", "none", "full", 5, "paper", "fixation"),
 }
 """The settings of the picture."""
+_KNOWN = {"full": "known", "none": "unknown"}
 
 
 def blocks() -> dict[str, str]:
     """Return the generated parts of the page by name of the block."""
     few, many = kept_cues().values()
     columns: tuple[CueName, ...] = ("pose", "imprint", "all")
-    heads = ["by eye fixations", *(CUES[name] for name in columns)]
-    heads += [f"imprints add, {one.objects} objects" for one in (many, few)]
+    heads = ["pipeline", "objects", "pose", "touches", "no imprint", "imprint", "all"]
     rows = [
         [
-            words,
+            "ours" if setting.pipeline == "order_free" else "paper's",
+            setting.tested,
+            _KNOWN[setting.frame],
+            setting.touches,
             *(_share(many, setting, name) for name in columns),
-            *(_gain(one, setting) for one in (many, few)),
+            _gain(many, setting),
         ]
-        for words, setting in SHOWN.items()
+        for setting in SHOWN
         if many.has(setting, "all")
     ]
-    sources = "; ".join(
-        f"{one.objects} objects: {one.source.commit[:12]}, {one.source.date}"
-        for one in (many, few)
-        if one.source
-    )
     return {
-        "headline": "\n\n".join(map(headline, (many, few))),
-        "settings": table(heads, rows),
-        "sources": wrapped(f"Measured once and kept; {sources}."),
+        "headline": headline(many),
+        "few": few_sentence(few),
+        "settings": table([*heads, "imprints add"], rows),
+        "sources": measured(PAGE.parent),
     }
 
 
-def headline(measured: MeasuredCues) -> str:
+def headline(kept: MeasuredCues) -> str:
     """Return what carries the accuracy on a set of objects."""
-    verdicts = plain(carries_verdicts(measured, INTERVALS))
+    verdicts = plain(carries_verdicts(kept, INTERVALS))
     return wrapped(
-        f"On {measured.objects} objects, five touches, pose known: {verdicts[0].lower()}{verdicts[1:]}"
+        f"On {kept.objects} objects, five touches, pose known: {verdicts[0].lower()}{verdicts[1:]}"
     )
 
 
-def _share(measured: MeasuredCues, setting: Setting, name: CueName) -> str:
-    if measured.has(setting, name):
-        return share(measured.accuracy(setting, name, INTERVALS).mean)
-    return "nothing to tell" if is_bare(setting.frame, setting.touches) else "not measured"
+def few_sentence(few: MeasuredCues) -> str:
+    """Return in how many settings of the table imprints are shown to add to positions and normals on few objects."""
+    gains = [
+        few.difference(setting, "all", "pose", INTERVALS)
+        for setting in SHOWN
+        if few.has(setting, "all", "pose")
+    ]
+    shown = sum(one.low is not None and one.low > 0 for one in gains)
+    return wrapped(
+        f"- {few.objects} objects are too few: they show a gain by imprints in {shown} of the {len(gains)} settings of the "
+        f"table in which positions and normals tell something.",
+        "  ",
+    )
 
 
-def _gain(measured: MeasuredCues, setting: Setting) -> str:
-    if not measured.has(setting, "all", "pose"):
+def _share(kept: MeasuredCues, setting: Setting, name: CueName) -> str:
+    if kept.has(setting, name):
+        return share(kept.accuracy(setting, name, INTERVALS).mean)
+    return "none" if is_bare(setting.frame, setting.touches) else "not measured"
+
+
+def _gain(kept: MeasuredCues, setting: Setting) -> str:
+    if not kept.has(setting, "all", "pose"):
         return "all of it" if is_bare(setting.frame, setting.touches) else "not measured"
-    return plain(with_interval(measured.difference(setting, "all", "pose", INTERVALS), points))
+    return plain(with_interval(kept.difference(setting, "all", "pose", INTERVALS), points))
 
 
-def draw(measured: MeasuredCues) -> Figure:
+def draw(kept: MeasuredCues) -> Figure:
     """Draw the accuracy by each cue, one mark per pipeline and known part of the pose."""
     series = [
         Series(
             label,
             place,
             [
-                measured.accuracy(setting, name, INTERVALS) if measured.has(setting, name) else None
+                kept.accuracy(setting, name, INTERVALS) if kept.has(setting, name) else None
                 for name in CUES
             ],
         )
         for place, (label, setting) in enumerate(DRAWN.items())
     ]
-    return draw_intervals(list(CUES.values()), "cues of a touch", series)
+    return resized(draw_intervals(list(CUES.values()), "cues of a touch", series), 370)
 
 
 if __name__ == "__main__":

@@ -48,10 +48,6 @@ class KeptDraws:
         The pipeline, the strategy of the random places and the classifier; all other parameters have their defaults.
     objects : int
         The number of objects.
-    fixation : float
-        The accuracy by fixation.
-    random : tuple of float
-        The accuracy of each draw.
     lead : LeadOverDraws
         The lead over each draw.
     source : Source
@@ -62,8 +58,6 @@ class KeptDraws:
     opponent: str
     classifier: str
     objects: int
-    fixation: float
-    random: tuple[float, ...]
     lead: LeadOverDraws
     source: Source
 
@@ -126,18 +120,13 @@ def read_draws(
     measured = kept.pipelines[pipeline]
     if opponent not in measured.accuracies:
         return None
-    (fixation,), random = (
-        measured.accuracies["fixation"].draws,
-        measured.accuracies[opponent].draws,
-    )
+    (fixation,) = measured.accuracies["fixation"].draws
     return KeptDraws(
         pipeline=pipeline,
         opponent=opponent,
         classifier=measured.classifier,
         objects=len(fixation.objects),
-        fixation=fixation.mean,
-        random=tuple(draw.mean for draw in random),
-        lead=lead_over_draws(fixation, random),
+        lead=lead_over_draws(fixation, measured.accuracies[opponent].draws),
         source=kept.source,
     )
 

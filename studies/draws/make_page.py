@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from filling import fill_page, points, save_picture, share, table, wrapped
+from filling import fill_page, measured, points, resized, save_picture, table
 from matplotlib.figure import Figure
 
 from draws.kept import KeptDraws, read_draws, read_kept
 from draws.study import RANDOM
+from visuohaptic.evaluation.means_over_draws import LeadOverDraws
 from visuohaptic.report.estimates import Figure as Estimate
 from visuohaptic.report.figures import Series, draw_leads
 from visuohaptic.report.leads import PLACES
@@ -35,15 +36,26 @@ def kept_draws() -> list[KeptDraws]:
 def blocks() -> dict[str, str]:
     """Return the generated parts of the page by name of the block."""
     draws = kept_draws()
-    heads = ["objects", "pipeline", "random places", "draws", "fixation", "random: mean"]
-    heads += ["lead: mean (lowest to highest)", "standard deviation"]
-    sources = dict.fromkeys(
-        f"{one.objects} objects: {one.source.commit[:12]}, {one.source.date}" for one in draws
-    )
     return {
-        "draws": table(heads, map(_row, draws)),
-        "sources": wrapped(f"Measured once and kept; {'; '.join(sources)}."),
+        "draws": draws_table(draws),
+        "sources": measured(PAGE.parent),
     }
+
+
+def draws_table(draws: Sequence[KeptDraws]) -> str:
+    """Return the lead and its standard deviation over draws, one row per pipeline and kind of places."""
+    counts = list(dict.fromkeys(one.objects for one in draws))
+    found = {(one.pipeline, one.opponent, one.objects): one.lead for one in draws}
+    heads = ["pipeline", "random places", "draws"]
+    for count in counts:
+        heads += [f"{count} objects: mean (lowest to highest)", "standard deviation"]
+    rows = []
+    for pipeline, opponent in dict.fromkeys((one.pipeline, one.opponent) for one in draws):
+        leads = [found[pipeline, opponent, count] for count in counts]
+        (number,) = {lead.count for lead in leads}
+        cells = [cell for lead in leads for cell in _cells(lead)]
+        rows.append([_named(pipeline), _places(opponent), number, *cells])
+    return table(heads, rows)
 
 
 def draw(draws: Sequence[KeptDraws]) -> Figure:
@@ -58,7 +70,7 @@ def draw(draws: Sequence[KeptDraws]) -> Figure:
         ]
         series.append(Series(f"{count} objects", index, ranges))
     rows = [f"{_named(pipeline)}, {_places(opponent)}" for pipeline, opponent in places]
-    return draw_leads(rows, "pipeline and random places", series)
+    return resized(draw_leads(rows, "pipeline and random places", series), 340)
 
 
 def _named(pipeline: str) -> str:
@@ -69,17 +81,11 @@ def _places(opponent: str) -> str:
     return PLACES[opponent].removeprefix("random places ")
 
 
-def _row(kept: KeptDraws) -> list[object]:
-    leads = kept.lead.leads
+def _cells(lead: LeadOverDraws) -> list[str]:
+    lowest, highest = points(min(lead.leads)), points(max(lead.leads))
     return [
-        kept.objects,
-        _named(kept.pipeline),
-        _places(kept.opponent),
-        kept.lead.count,
-        share(kept.fixation),
-        share(sum(kept.random) / len(kept.random)),
-        f"{points(kept.lead.mean)} ({points(min(leads))} to {points(max(leads))})",
-        percent_points(kept.lead.standard_deviation),
+        f"{points(lead.mean)} ({lowest} to {highest})",
+        percent_points(lead.standard_deviation),
     ]
 
 

@@ -12,6 +12,7 @@ from filling import (
     fill_from_figures,
     measured,
     points,
+    resized,
     share,
     table,
     wrapped,
@@ -26,10 +27,10 @@ HERE = Path(__file__).parent
 PAGE = HERE / "README.md"
 PICTURE = HERE / "eye_and_touch.png"
 ANSWERS = {
-    LOOK: "look, view",
+    LOOK: "look",
     TOUCH: "touch",
-    PRODUCT: "product",
-    CHECKED: "checked product",
+    PRODUCT: "both",
+    CHECKED: "both, checked",
 }
 GAIN = ("difference", "low", "high")
 ONLY_TOUCH = "random_visible"
@@ -37,20 +38,18 @@ ONLY_TOUCH = "random_visible"
 
 
 def sight_table(figures: Figures) -> str:
-    """Write the accuracy of each answer, the gains of touch and of both senses, and the worth of a touch, by sight."""
-    worth = {row["sight"]: row for row in figures["worth"]}
-    heads = ["sight", *ANSWERS.values(), "touch minus look", "checked product minus better sense"]
+    """Write the accuracy of each answer, and the gains of touch and of both senses, by sight."""
+    heads = ["sight", *ANSWERS.values(), "touch minus look", "checked minus better"]
     rows = [
         [
             row["sight"],
             *(share(row["answers"][answer]["accuracy"]) for answer in ANSWERS),
             difference(row["gains"][TOUCH], *GAIN),
             difference(row["gains"][CHECKED], *GAIN),
-            f"{100 * worth[row['sight']]['accuracy_a_second']:.2f}",
         ]
         for row in figures["sights"]
     ]
-    return table([*heads, "points per second"], rows)
+    return table(heads, rows)
 
 
 def rule_sentence(figures: Figures) -> str:
@@ -114,7 +113,7 @@ def draw(sets: Mapping[str, Figures]) -> Figure:
     ticks = (0.5, 1, 2, 5, 10, 20, 40)
     axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     axes.set_xticks([], minor=True)
-    return chart
+    return resized(chart, 320)
 
 
 def looked(figures: Figures) -> float:

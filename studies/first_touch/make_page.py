@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from filling import DOCS, fill_page, points, save_picture, share, table, wrapped
+from filling import DOCS, fill_page, points, resized, save_picture, share, table, wrapped
 from matplotlib.figure import Figure
 
 from first_touch.study import FRAMES, RULES, TOUCHES
@@ -31,6 +31,12 @@ SHOWN = (1, 2, 5)
 RIVALS = ("random_visible", *RULES)
 """Opponents of strategy `human`."""
 
+_SHORT = {
+    "random_visible": "random in sight",
+    "highest": "the highest",
+    "nearest": "the nearest",
+}
+"""Opponents of the table; p values are corrected for all `RIVALS`."""
 PIPELINES = {"order_free": "our pipeline", "paper": "the paper's pipeline"}
 INTERVALS = IntervalParameters()
 LEVEL = 0.05
@@ -44,7 +50,7 @@ def blocks() -> dict[str, str]:
         "sentence benchmark": wrapped(f"{sentence(many)}."),
         "parts": wrapped(part_sentence(many)),
         "leads": lead_table(many),
-        "few": wrapped(few_sentence(few)),
+        "few": wrapped(few_sentence(few), "  "),
     }
 
 
@@ -69,16 +75,14 @@ def lead_table(rows: pd.DataFrame) -> str:
     """Return the leads of strategy `human`, one row per setting; p values are corrected for the whole table."""
     leads = human_leads(rows)
     written = dict(zip(leads, in_words(list(leads.values())), strict=True))
-    heads = ["pipeline", "known of the pose", "touches"]
-    heads += [f"minus {LABELS[rival]}" for rival in RIVALS]
+    heads = ["pipeline", "touches", *(f"minus {words}" for words in _SHORT.values())]
     return table(
         heads,
         [
             [
-                PIPELINES[one.pipeline],
-                KNOWN[one.known],
+                _named(one),
                 one.touches,
-                *(written[one, rival] for rival in RIVALS),
+                *(written[one, rival] for rival in _SHORT),
             ]
             for one in dict.fromkeys(one for one, _ in leads)
             if one.touches in SHOWN
@@ -86,15 +90,19 @@ def lead_table(rows: pd.DataFrame) -> str:
     )
 
 
+def _named(one: Place) -> str:
+    name = "ours" if one.pipeline == "order_free" else "the paper's"
+    return name if one.known == "full" else f"{name}, {KNOWN[one.known]} known"
+
+
 def few_sentence(rows: pd.DataFrame) -> str:
-    """Return the lead over random places in sight on few objects, and how many leads in any pose stand."""
-    one, two = (lead(rows, "human", "random_visible", Place(touches=n), INTERVALS) for n in (1, 2))
+    """Return how many leads of strategy `human` stand on few objects, in all poses."""
     leads = human_leads(rows).values()
+    (objects,) = {one.objects for one in leads}
     stand = sum(p < LEVEL for p in holm([found.p_value for found in leads]))
     return (
-        f"On the paper's {one.objects} objects the lead over random places in sight is {_both(one)} with one touch and "
-        f"{_both(two)} with two. In all poses, upright and turned, {stand} of {len(leads)} leads of strategy `human` over "
-        f"the four rivals of the table stand after Holm's correction."
+        f"- On the paper's {objects} objects, upright and turned, {stand} of {len(leads)} leads over these places and the "
+        f"nearest to the line of sight stand after Holm's correction."
     )
 
 
@@ -128,8 +136,8 @@ def part_sentence(rows: pd.DataFrame) -> str:
         ]
         said.append(f"in {words} {', '.join(ahead)}")
     return (
-        f"After Holm's correction for all {len(leads)} leads at the first touch, these ways of the picture are ahead of "
-        f"random places in sight: {'; '.join(said)}."
+        f"After Holm's correction for all {len(leads)} leads at the first touch, ahead of random places in sight are "
+        f"{'; '.join(said)}."
     )
 
 
@@ -141,7 +149,9 @@ def draw(rows: pd.DataFrame) -> Figure:
         Series(words, place, [estimate(leads[pipeline, label].difference) for label in labels])
         for place, (pipeline, words) in enumerate(PIPELINES.items())
     ]
-    return draw_leads(labels, "place of the first touch", series)
+    chart = draw_leads(labels, "place of the first touch", series)
+    chart.axes[0].set_yticks(range(len(labels)), labels)
+    return resized(chart, 380)
 
 
 def sentence(rows: pd.DataFrame) -> str:

@@ -4,7 +4,18 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from filling import SETS, estimated, fill_page, plain, save_picture, share, table, wrapped
+from filling import (
+    SETS,
+    estimated,
+    fill_page,
+    measured,
+    plain,
+    resized,
+    save_picture,
+    share,
+    table,
+    wrapped,
+)
 from matplotlib.figure import Figure
 
 from turned.kept import HEADLINE_TOUCHES, KNOWN, TurnedSet, read_turned
@@ -57,22 +68,17 @@ def compared() -> dict[str, tuple[CellName, CellName]]:
     }
 
 
-def pose_table() -> str:
-    """Set accuracies by fixation in a row per pose of the objects, and a column per set and pipeline."""
-    kept = read_turned()
-    found = {name: turned_rows(kept[name], INTERVALS) for name in sorted(kept, key="paper".__ne__)}
-    heads, columns = ["objects are"], []
-    for name, rows in found.items():
-        for pipeline, label in (("paper", "the paper's pipeline"), ("order_free", "ours")):
-            columns.append({row.turns: row.fixation for row in rows if row.pipeline == pipeline})
-            heads.append(f"{SETS[name]}, {label}")
-    return table(
-        heads,
-        [
-            [pose, *(estimated(one[turns]) if turns in one else "" for one in columns)]
-            for turns, pose in POSES.items()
-        ],
-    )
+def pose_sentence() -> str:
+    """Return how far the accuracy of the paper's pipeline by fixation falls from pose to pose, by set of objects."""
+    kept, said = read_turned(), []
+    for name in sorted(kept, key="paper".__eq__):
+        upright, *turned = (
+            f"{share(row.fixation.mean)} ({POSES[row.turns]})"
+            for row in turned_rows(kept[name], INTERVALS)
+            if row.pipeline == "paper"
+        )
+        said.append(f"from {upright} to {' and '.join(turned)} on {SETS[name]}")
+    return f"In the paper's pipeline accuracy falls {', and '.join(said)}."
 
 
 def frame_table(many: TurnedSet, few: TurnedSet) -> str:
@@ -81,16 +87,14 @@ def frame_table(many: TurnedSet, few: TurnedSet) -> str:
         {(row.turns, row.known): row for row in frame_rows(kept, INTERVALS)} for kept in (many, few)
     )
     count, less = (next(iter(one.values())).objects for one in (rows, fewer))
-    heads = ["objects are", "known of the frame", f"fixation, {count} objects"]
-    heads += ["random, in reach", "random, in sight", f"fixation, {less} objects"]
+    heads = ["objects are", "known of the frame", f"{count} objects", f"{less} objects"]
     return table(
         heads,
         [
             [
                 POSES[turns],
-                KNOWN[known],
+                KNOWN[known].partition(", fitted")[0],
                 estimated(row.fixation),
-                *map(share, (row.random.mean, row.visible.mean)),
                 share(fewer[turns, known].fixation.mean),
             ]
             for turns, known in SHOWN
@@ -106,8 +110,8 @@ def compared_sentence(many: TurnedSet) -> str:
         for label, (first, second) in compared().items()
     )
     return (
-        f"In points with 95 % intervals, for objects turned in any way and nothing known of the pose ({many.held_out.sum()} "
-        f"objects, fixation): {'; '.join(gains)}."
+        f"For objects turned in any way and nothing known of the pose, in pairs over the {many.held_out.sum()} objects, in "
+        f"points: {'; '.join(gains)}."
     )
 
 
@@ -115,15 +119,11 @@ def blocks() -> dict[str, str]:
     """Return the generated parts of the page by name of the block."""
     kept = read_turned()
     many, few = kept[LARGEST_SET], kept["paper"]
-    sources = ", ".join(
-        f"{SETS[name]}: commit {kept[name].source.commit[:12]}, {kept[name].source.date}"
-        for name in SETS
-    )
     return {
-        "turned": pose_table(),
+        "turned": wrapped(pose_sentence()),
         "frames": frame_table(many, few),
         "compared": wrapped(compared_sentence(many)),
-        "sources": wrapped(f"Measured once and kept; {sources}."),
+        "sources": measured(PAGE.parent),
     }
 
 
@@ -140,7 +140,7 @@ def draw(kept: TurnedSet) -> Figure:
         )
         for place, (turns, known) in enumerate(shown)
     ]
-    return draw_by_touches(touches, series)
+    return resized(draw_by_touches(touches, series), 340)
 
 
 if __name__ == "__main__":

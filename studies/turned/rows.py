@@ -79,20 +79,8 @@ class TurnedRow:
     @cached_property
     def fixation(self) -> Figure:
         """The accuracy of touches by fixation."""
-        return self._figure("fixation")
-
-    @cached_property
-    def random(self) -> Figure:
-        """The accuracy of touches at random places in reach."""
-        return self._figure("random")
-
-    @cached_property
-    def visible(self) -> Figure:
-        """The accuracy of touches at random places in sight."""
-        return self._figure("random_visible")
-
-    def _figure(self, strategy: str) -> Figure:
-        return _figure([self.cells[strategy]], [], self.intervals, self.classes, self.tested)
+        cells = [self.cells["fixation"]]
+        return _figure(cells, [], self.intervals, self.classes, self.tested)
 
 
 def turned_rows(kept: TurnedSet, intervals: IntervalParameters) -> list[TurnedRow]:

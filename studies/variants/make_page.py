@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from filling import Figures, fill_page, points, save_picture, share, table, wrapped
+from filling import fill_page, points, resized, save_picture, share, table, wrapped
 from matplotlib.figure import Figure
 
-from draws.kept import read_draws
 from variants.choices import BEST_OF_PAPER, BY_NAME, OPPONENTS
 from variants.design import is_default, is_literal
 from variants.kept import OUTSIDE, PAPER_SET, kept_variants
@@ -19,19 +17,15 @@ from variants.weighing import summarise_variants
 from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.report.drawing import COLOURS, look, new_chart, style
 from visuohaptic.report.figures import as_points, label_axes, whole_percent
-from visuohaptic.report.wording import percent_points
 from visuohaptic.studies.figures import Row
 
 PAGE = Path(__file__).parent / "README.md"
 PICTURE = PAGE.with_name("variants.png")
-CHOSEN = ("chosen", "chosen_again")
-AGAIN = "27 November 2026"
-"""Day of the code that made the tables of the second choice."""
 OPPONENT_WORDS = {
-    "reachable": "`random`",
-    "anywhere": "`random_anywhere`",
-    "visible": "`random_visible`",
-    "walk": "`random_walk`",
+    "reachable": "in reach",
+    "anywhere": "anywhere",
+    "visible": "in sight",
+    "walk": "a walk",
 }
 
 
@@ -49,16 +43,14 @@ def spread_table(tables: Mapping[str, list[Row]]) -> str:
                 [
                     max(row["objects"] for row in run),
                     OPPONENT_WORDS[option],
-                    len(run),
                     _lead(run, is_default),
                     _lead(run, is_literal),
-                    *(lead.ahead_singly, lead.behind_singly),
+                    f"{lead.ahead_singly}, {lead.behind_singly} of {len(run)}",
                     "{}, {}".format(*count_after_holm(run)),
                     word,
                 ]
             )
-    heads = ["objects", "random touches", "variants", "default", "most literal"]
-    heads += ["ahead, p < 0.05 singly", "behind, p < 0.05 singly", "after Holm: ahead, behind"]
+    heads = ["objects", "random", "default", "most literal", "ahead, behind", "after Holm"]
     return table([*heads, "verdict"], lines)
 
 
@@ -117,7 +109,7 @@ def draw(tables: Mapping[str, list[Row]]) -> Figure:
                     place_of = share_below[index], row["ahead"]
                     axes.plot(*place_of, mark, color=colour, mfc=ground, markersize=8)
         axes.axhline(0, color=COLOURS["ink"], linewidth=1)
-        return label_axes(
+        named = label_axes(
             chart,
             "share of the variants with a smaller lead",
             "lead, percentage points",
@@ -125,6 +117,7 @@ def draw(tables: Mapping[str, list[Row]]) -> Figure:
             yformat=as_points,
             columns=1,
         )
+    return resized(named, 320)
 
 
 def _lead(rows: Sequence[Row], is_wanted: Callable[[Row], bool]) -> str:
@@ -134,43 +127,6 @@ def _lead(rows: Sequence[Row], is_wanted: Callable[[Row], bool]) -> str:
         return ""
     (row,) = wanted
     return f"{points(row['ahead'])} ({points(row['ahead_low'])} to {points(row['ahead_high'])})"
-
-
-def draws_sentence() -> str:
-    """Write how far one draw of random locations moves the lead of a variant, from the kept draws of the default."""
-    kept = read_draws("paper", "paper")
-    if kept is None:
-        return ""
-    spread = percent_points(kept.lead.standard_deviation)
-    return (
-        f"Each variant has one draw of its random places. In {kept.lead.count} draws of the default on the paper's "
-        f"set the lead lies between {points(min(kept.lead.leads))} and {points(max(kept.lead.leads))} points, standard "
-        f"deviation {spread}."
-    )
-
-
-def chosen_sentences() -> str:
-    """Write what the two rules chose, first and when they were applied again."""
-    first, again = (json.loads(PAGE.with_name(f"{name}.json").read_text()) for name in CHOSEN)
-    return (
-        f"Rule 1 took touches that are not scaled: the best of {first['variants']} variants scores {_rule_one(first)}. Rule 2 "
-        f"changed one option, the channels: {_channels(first)}. Applied again to tables of {AGAIN}, rule 1 takes "
-        f"the same variant ({_rule_one(again)}) and rule 2 keeps the eight channels: {_channels(again)}. The default stays, "
-        f"because the rules were to be applied once."
-    )
-
-
-def _rule_one(found: Figures) -> str:
-    best, former = found["best"]["score"], found["former"]
-    return f"{share(best)}, the former default {share(former['score'])}, p {former['p_value']:.1g}"
-
-
-def _channels(found: Figures) -> str:
-    """Write the scores of the channels that the paper names and of eight equal ones."""
-    (channels,) = (one for one in found["options"] if one["choice"] == "channels")
-    named, equal = (share(channels["scores"][name]) for name in ("five_named", "eight_equal"))
-    adjusted = channels["p_values"]["five_named"]
-    return f"the five that the paper names score {named}, eight equal ones {equal}, p {adjusted:.2g} after Holm's correction"
 
 
 def tables_of_sets() -> dict[str, list[Row]]:
@@ -184,8 +140,7 @@ def blocks() -> dict[str, str]:
     return {
         "spread": spread_table(tables),
         "reached": wrapped(reached_sentence(tables)),
-        "pair": wrapped(f"{pair_sentence(tables)} {draws_sentence()}"),
-        "chosen": wrapped(chosen_sentences()),
+        "pair": wrapped(pair_sentence(tables)),
     }
 
 

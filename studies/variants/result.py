@@ -71,7 +71,7 @@ class VariantsSummary(BaseModel):
     Attributes
     ----------
     verdict : {"yes", "no", "depends", "not shown"}
-        Whether fixation leads, by the rule in studies/variants/README.md.
+        Whether fixation leads, by the rule in studies/variants/verdicts.py.
     spread : tuple of Spread
         Numbers of variants, by set of objects.
     leads : tuple of Lead

@@ -134,5 +134,5 @@ def test_the_sentence_on_the_simplest_classifier_has_the_numbers_and_the_verdict
     expected = np.average(both["accuracy_one"] - both["accuracy"], weights=both["weight"])
     assert mean == pytest.approx(100 * expected, abs=0.051)
     verdict = "ahead of" if low > 0 else "behind" if high < 0 else "not shown to differ from"
-    assert f"Twenty lines are {verdict} the paper's pipeline: " in line
+    assert f"Twenty lines are {verdict} the paper's: " in line
     assert low <= mean <= high

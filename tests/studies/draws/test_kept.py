@@ -43,8 +43,6 @@ def test_leads_over_kept_draws_are_weighted_means_over_the_objects_of_both(folde
     leads = (0.4 / 8, 0.5 / 8, 0.0)
     assert found.lead.leads == pytest.approx(leads)
     assert found.lead.standard_deviation == pytest.approx(np.std(leads, ddof=1))
-    assert found.fixation == pytest.approx((1 + 1.5 + 4) / 8)
-    assert found.random == pytest.approx((6.1 / 8, 6 / 8, 1.0))
     assert (found.objects, found.lead.count) == (3, 3)
 
 

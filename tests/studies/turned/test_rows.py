@@ -58,7 +58,6 @@ def test_rows_are_weighted_means_over_the_objects_of_all_strategies(tmp_path):
         "none", "order_free", "any", "paper",
     )  # fmt: skip
     assert second.fixation.mean == pytest.approx((0.25 + 1.5) / 4)
-    assert second.random.mean == pytest.approx((0.5 + 0.75) / 4)
     assert (second.objects, second.draws) == (2, 5)
 
 
