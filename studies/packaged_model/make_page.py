@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-import textwrap
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from filling import fill_page, points, save_picture, share, table
+from filling import fill_page, points, save_picture, share, wrapped
 from matplotlib.figure import Figure as Chart
 
 from packaged_model.measure import CHOSEN, gain_of
@@ -17,7 +16,7 @@ from visuohaptic.meshes.catalogue import TEST_CLASSES
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.drawing import COLOURS, style
 from visuohaptic.report.estimates import estimate, with_interval
-from visuohaptic.report.wording import percent
+from visuohaptic.report.wording import listed, percent
 from visuohaptic.studies.keeping import kept_file
 
 HERE = Path(__file__).parent
@@ -55,10 +54,11 @@ def sentence(answers: pd.DataFrame) -> str:
         f"right from 16 views, and {views} from one view.** Its set of 90 % holds the class of "
         f"{share(float(np.mean(covered)))} of them and has {size:.1f} classes on average. Of {strange['object'].nunique()} objects "
         f"of other classes it calls {share(strange['unknown'].mean(), 0)} unknown, and by mistake "
-        f"{share(known['unknown'].mean(), 0)} of objects of known classes. By the rule the pipeline is "
-        f"`{chosen()['chosen']}`: `learned` minus `order_free` is {gain} points."
+        f"{share(known['unknown'].mean(), 0)} of objects of known classes. Less than half of the objects of these classes are "
+        f"named right: {weak_classes(known)}. By the rule the pipeline is `{chosen()['chosen']}`: `learned` minus `order_free` is "
+        f"{gain} points."
     )
-    return textwrap.fill(text.replace("\\N{NO-BREAK SPACE}", " "), 100, break_on_hyphens=False)
+    return wrapped(text)
 
 
 def accuracy(values: pd.Series) -> str:
@@ -68,24 +68,17 @@ def accuracy(values: pd.Series) -> str:
     return with_interval(figure, percent)
 
 
-def class_table(answers: pd.DataFrame) -> str:
-    """Return a table with one row per class: objects, and the share that is named right."""
-    known = answers[~answers["strange"] & (answers["pipeline"] == chosen()["chosen"])]
-    rows = []
-    for category, own in known.groupby("class"):
-        wrong = own.loc[~own["right"], "named"].value_counts()
-        taken = ", ".join(f"{name} {count}" for name, count in wrong.items())
-        rows.append(
-            [category, len(own), int(own["right"].sum()), share(own["views"].mean(), 0), taken]
-        )
-    heads = ["class", "objects", "named right from 16 views", "right from one view", "else named"]
-    return table(heads, rows)
+def weak_classes(known: pd.DataFrame) -> str:
+    """List the classes with less than half of the objects named right, as ``stool (1 of 6)``."""
+    right = known.groupby("class")["right"].agg(["sum", "count"])
+    weak = right[right["sum"] < right["count"] / 2]
+    return listed([f"{name} ({row['sum']} of {row['count']})" for name, row in weak.iterrows()])
 
 
 def blocks() -> dict[str, str]:
-    """Return the sentence and the table of the page by name of the block."""
+    """Return the sentence of the page by name of the block."""
     answers = kept_answers()
-    return {"sentence": sentence(answers), "classes": class_table(answers)}
+    return {"sentence": sentence(answers)}
 
 
 @style()
@@ -93,7 +86,7 @@ def draw(answers: pd.DataFrame) -> Chart:
     """Draw the share of objects that is named right from 16 views, and from one, by class."""
     known = answers[~answers["strange"] & (answers["pipeline"] == chosen()["chosen"])]
     means = known.groupby("class")[["right", "views"]].mean().sort_values("right")
-    chart = Chart(figsize=(6.4, 5.2), layout="constrained")
+    chart = Chart(figsize=(6.9, 3.4), layout="constrained")
     axes = chart.subplots()
     places = np.arange(len(means))
     axes.hlines(places, 100 * means["views"], 100 * means["right"], color=COLOURS["line"])
@@ -103,6 +96,7 @@ def draw(answers: pd.DataFrame) -> Chart:
     axes.set_xlabel("objects that the model did not learn, named right, %")
     axes.set_ylabel("class")
     axes.set_xlim(0, 102)
+    axes.tick_params("y", labelsize=8)
     axes.legend(loc="lower right")
     return chart
 
