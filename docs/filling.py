@@ -59,6 +59,16 @@ def resized(chart: Figure, height: int, width: int = 760) -> Figure:
     return chart
 
 
+def legend_beside(chart: Figure) -> Figure:
+    """Move the legend of a chart from below the axes to their right, so that a low chart has room for its lines."""
+    (axes,), (legend,) = chart.axes, chart.legends
+    legend.remove()
+    handles, labels = axes.get_legend_handles_labels()
+    wrapped_labels = [textwrap.fill(label, 32) for label in labels]
+    chart.legend(handles, wrapped_labels, loc="outside right center", frameon=False, fontsize=9.5)
+    return chart
+
+
 def kept_figures(kept: Path) -> dict[str, Figures]:
     """Read the figures of a page, by set, from files ``<kept>_<set>.json``."""
     return {name: read_json(kept.with_name(f"{kept.name}_{name}.json")) for name in SETS}

@@ -11,6 +11,7 @@ from filling import (
     estimated,
     figures_of_study,
     fill_page,
+    legend_beside,
     measured,
     resized,
     save_picture,
@@ -96,7 +97,7 @@ def draw(sets: Sets) -> Figure:
             (SETS[name], one) for name, strategies in sets.items() for one in strategies
         )
     ]
-    return resized(draw_by_touches(SHOWN, series), 320)
+    return resized(legend_beside(draw_by_touches(SHOWN, series)), 320)
 
 
 def _rows(sets: Sets) -> Iterator[list[object]]:

@@ -10,6 +10,7 @@ from filling import (
     difference,
     figures_of_study,
     fill_from_figures,
+    legend_beside,
     measured,
     resized,
     share,
@@ -63,9 +64,7 @@ def draw(sets: Mapping[str, Figures]) -> Figure:
         series.append(Series(strategy_name(strategy), strategy_place(strategy), estimates))
     chart = draw_by_touches(DRAWN, series)
     chart.axes[0].set_ylim(0.5, 1)
-    chart.legends[0].remove()
-    chart.legend(loc="outside right center", frameon=False)
-    return resized(chart, 340)
+    return resized(legend_beside(chart), 340)
 
 
 def blocks(sets: Mapping[str, Figures]) -> dict[str, str]:

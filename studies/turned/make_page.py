@@ -8,6 +8,7 @@ from filling import (
     SETS,
     estimated,
     fill_page,
+    legend_beside,
     measured,
     plain,
     resized,
@@ -140,7 +141,7 @@ def draw(kept: TurnedSet) -> Figure:
         )
         for place, (turns, known) in enumerate(shown)
     ]
-    return resized(draw_by_touches(touches, series), 340)
+    return resized(legend_beside(draw_by_touches(touches, series)), 340)
 
 
 if __name__ == "__main__":
