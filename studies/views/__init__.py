@@ -1,0 +1,1 @@
+"""Study `views`: what one more view of an object gains."""
