@@ -13,7 +13,7 @@ from visuohaptic.studies.conditions import FIXATION_ONLY, PAPER_AND_OURS
 from visuohaptic.studies.study import Condition, Study
 
 VIEWS = (1, 2, 4, 8, 16)
-"""Numbers of views that name an object together, by their touches."""
+"""Numbers of views that are classified together."""
 
 
 def conditions(run: ExperimentParameters) -> Iterator[Condition]:
