@@ -25,6 +25,7 @@ from visuohaptic.report.wording import (
     percent_points,
     strategy_name,
 )
+from visuohaptic.studies.keeping import read_figures
 
 ROOT = DOCS.parent
 UNSEEN = "unseen objects"
@@ -83,6 +84,7 @@ def answers(metrics: dict[str, Any]) -> str:
         "Does it help to see the object first?": seeing(kept),
         "Does it help to touch the most salient places in sight?": salience(kept),
         "Where to put the first touch?": first_touch(),
+        "What does it cost?": view_more(),
     }
     lines = [f"- **{question}** {answer}" for question, answer in items.items()]
     return "\n".join(map(_wrapped, lines))
@@ -109,15 +111,15 @@ def recognised(metrics: dict[str, Any]) -> str:
         f"Yes: five touches name an unseen bottle, car, chair or animal in {paper} of cases by the paper's pipeline and in "
         f"{ours} by ours (`order_free`), where guessing gives {percent(1 / categories, 0)} "
         f"({counted(own[0].objects, 'object')}). On {counted(len(kept.objects), 'object')} in {counted(classes, 'class')} the "
-        f"pipelines are right in {shares['none']} if objects stand upright and face one way, and in {shares['any']} if they "
-        f"are turned in any way (guessing: {percent(1 / classes, 0)}). Much of this is "
-        f"[where the arm is](studies/cues/README.md), not what it feels."
+        f"pipelines are right in {shares['none']} if objects stand upright and face one way, mostly by "
+        f"[where the arm is](studies/cues/README.md), not by what it feels; and in {shares['any']} if objects are turned in "
+        f"any way (guessing: {percent(1 / classes, 0)})."
     )
 
 
 def seeing(kept: KeptLeads) -> str:
     """Return the largest lead and the largest deficit of places that are seen over random places in reach."""
-    found = verdict(kept.of("seeing"))
+    found, drawn = (verdict(kept.of("seeing"), over) for over in ("objects", "classes"))
     if not found.ahead or not found.behind:
         raise ValueError("the answer to `seeing` has another form today: write its sentence again.")
     most = max(found.ahead, key=lambda lead: lead.difference.mean)
@@ -125,10 +127,11 @@ def seeing(kept: KeptLeads) -> str:
     helped = {lead.turns for lead in found.ahead}
     poses = "if objects stand upright" if helped <= {"none", "vertical"} else "in some poses"
     return (
-        f"It can, {poses}: places in sight, random or fixated, are ahead of random places in reach in "
-        f"{len(found.ahead)} of {counted(len(found.leads), 'comparison')}, by up to {points(most.difference.mean)} points. With objects "
-        f"{listed(sorted({POSES[lead.turns] for lead in found.behind}))} they are behind in {len(found.behind)}, by up to "
-        f"{points(least.difference.mean)}."
+        f"It can, {poses}. Random places in sight and fixations were compared with random places in reach: of "
+        f"{counted(len(found.leads), 'comparison')} seeing led in {len(found.ahead)}, by up to "
+        f"{points(most.difference.mean)} points, and trailed in {len(found.behind)}, with objects "
+        f"{listed(sorted({POSES[lead.turns] for lead in found.behind}))}, by up to {points(least.difference.mean)}; for other "
+        f"classes it led in {len(drawn.ahead)} and trailed in {len(drawn.behind)}."
     )
 
 
@@ -138,9 +141,27 @@ def salience(kept: KeptLeads) -> str:
     if found.word != "no" or drawn.excluded is None:
         raise ValueError("the answer to `salience` is not no today: write its sentence again.")
     return (
-        f"No: fixations are ahead of random places in sight in none of {counted(len(found.leads), 'comparison')}. A lead "
-        f"above {percent_points(found.excluded)} points is excluded in each, and above {percent_points(drawn.excluded)} points "
-        f"for other classes."
+        f"Not on objects of these classes: fixations led random places in sight in none of "
+        f"{counted(len(found.leads), 'comparison')} and trailed in {len(found.behind)}, and a lead above "
+        f"{percent_points(found.excluded)} points is excluded in each. For other classes leads up to "
+        f"{percent_points(drawn.excluded)} points remain possible."
+    )
+
+
+def view_more() -> str:
+    """Return what one more view costs a robot, and what it gains, on the 142 objects."""
+    figures, _ = read_figures(DOCS.parent / "studies/views", "benchmark")
+    (ours,) = figures["order_free"]["fixation"].values()
+    (paper,) = figures["paper"]["fixation"].values()
+    gain, other = (by_views["2 views"] for by_views in (ours, paper))
+    if gain["difference_low"] <= 0 or other["difference_low"] > 0 or other["difference_high"] < 0:
+        raise ValueError("the answer on views has another form today: write its sentence again.")
+    prices = CostParameters()
+    seconds = prices.look_seconds + 5 * prices.touch_seconds
+    return (
+        f"A view with five touches takes a robot {seconds:.1f} s, if a touch takes {prices.touch_seconds:.0f} s. A second view "
+        f"gains {points(gain['difference'])} points in our pipeline, and none is shown in the paper's "
+        f"([accuracy and time](docs/accuracy_and_time.md))."
     )
 
 
@@ -163,8 +184,8 @@ def first_touch() -> str:
         )
     return (
         f"On an upright object, where people are predicted to look: {points(gaze.difference.mean)} points over a random place "
-        f"in sight, in our pipeline ([first touch](studies/first_touch/README.md)). Terms for place and shape carry the lead, "
-        f"not channels of saliency, and the highest visible place does as well, as far as is shown. With two touches no lead "
+        f"in sight, in our pipeline ([first touch](studies/first_touch/README.md)). The lead comes from the gaze model's terms "
+        f"for place and shape, not from saliency; the highest visible place is not shown to be worse. With two touches no lead "
         f"is shown."
     )
 

@@ -71,7 +71,7 @@ def test_the_readme_has_the_lead_of_the_table(rows):
         for part in ("gaze_place", "gaze_shape", "gaze_channels")
     }
     assert shown == {"gaze_place": True, "gaze_shape": True, "gaze_channels": False}
-    assert "Terms for place and shape carry the lead, not channels of saliency" in said
+    assert "from the gaze model's terms for place and shape, not from saliency" in said
     assert not lead(rows, "human", "highest", 1)[1]
     assert not lead(rows, "human", "random_visible", 2)[1]
 
