@@ -1,7 +1,7 @@
-"""Measure accuracy and loss after each touch, by chooser of touches and by frame: `python -m touch_agents.measure FILE`.
+"""Measure accuracy and loss after each touch, by chooser, predictor and frame: `python -m touch_agents.measure MESHES SET FILE`.
 
-`make keep STUDY=touch_agents FILE=FILE` keeps the figures. The choosers are strategies and a policy of the experiment, with the touches that they make in the environment. The eyes
-are pipeline `order_free`, trained in each split on touches of the same chooser on other objects.
+MESHES is the folder ``results/meshes`` of a run of the set. `make keep STUDY=touch_agents/baselines SET=SET FILE=FILE`
+keeps the figures. README.md beside this file states what is asked and how it is judged.
 """
 
 from __future__ import annotations
@@ -9,15 +9,25 @@ from __future__ import annotations
 import argparse
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+import time
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pyarrow as pa
 
+from classifier_settings.half import choosing_objects
+from touch_agents.candidates import VIEWPOINTS
+from touch_agents.learning import SHOWN
+from touch_curves.adaptive import ChosenTouches, choose_touches, predict_chosen, touch_candidates
+from touch_curves.choosing import ADAPTIVE
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.atomic_files import atomic_write_text
+from visuohaptic.base.errors import RecognitionError
 from visuohaptic.evaluation.intervals import (
     DIFFERENCE,
     SHARE,
@@ -25,80 +35,200 @@ from visuohaptic.evaluation.intervals import (
     Bounds,
     class_interval,
     compare_differences,
+    holm,
     object_interval,
     plain_comparison,
     plain_interval,
 )
 from visuohaptic.evaluation.metrics import round_numbers
-from visuohaptic.exploration.exploring import TouchableObject, load
+from visuohaptic.evaluation.summary import select
+from visuohaptic.geometry.subject import Subject
+from visuohaptic.geometry.surface import object_of, usable_meshes
 from visuohaptic.parameters import ExperimentParameters, as_parameters
-from visuohaptic.recognition.experiment import predict_splits
-from visuohaptic.recognition.pipelines import pipeline_of
-from visuohaptic.recognition.sequences import gather_pipeline
-from visuohaptic.recognition.splits import draw_splits
+from visuohaptic.pipeline import run as run_phases
+from visuohaptic.recognition.experiment import one_thread
+from visuohaptic.recognition.parameters import Frame, IntervalParameters
+from visuohaptic.recognition.sequences import TouchSequences, gather_pipeline
+from visuohaptic.recognition.splits import Split, draw_splits
 from visuohaptic.studies.conditions import FIXATION_ONLY
+from visuohaptic.studies.measuring import Predictions
+from visuohaptic.tables.phases import FEATURES
+from visuohaptic.tables.schema import read_table, write_table
 
-CHOOSERS = ("random", "random_visible", "fixation", "seek_relief")
-FRAMES = ("full", "vertical", "centre", "none")
+STRATEGIES = ("random", "random_visible", "fixation", "seek_relief")
+CHOOSERS = (*STRATEGIES, ADAPTIVE.name)
+PREDICTORS = ("order_free", "learned")
+FRAMES: tuple[Frame, ...] = ("full", "vertical", "centre", "none")
 TOUCHES = (1, 2, 3, 5, 8)
-MESHES = Path(__file__).parents[2] / "meshes/paper"
+MEASURES: Mapping[str, tuple[Bounds, Bounds]] = {
+    "accuracy": (SHARE, DIFFERENCE),
+    "loss": ((0.0, math.inf), UNBOUNDED),
+}
+"""Bounds of the values and of their differences."""
+
+Draw = Callable[[TouchSequences], list[Split]]
+Values = Mapping[str, FloatArray]
+"""Mean accuracy and loss of each tested object, by name of the measure, (o,) each."""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A chooser of touches, a predictor, what is known of the frame, and the number of touches."""
+
+    chooser: str
+    predictor: str
+    frame: Frame
+    touches: int
+
+
+@dataclass(frozen=True)
+class SetOfObjects:
+    """How a set of objects is seen and divided.
+
+    Attributes
+    ----------
+    training : collection of str, optional
+        The objects that train, ``class/name``; the others are tested. By default each object is tested, in the folds
+        of the changed parameters.
+    changes : mapping
+        Changed parameters by dotted name.
+    """
+
+    training: Collection[str] | None = None
+    changes: Mapping[str, Any] = field(default_factory=dict)
+
+    def parameters(self) -> ExperimentParameters:
+        """Return the parameters of all touches of the set."""
+        touching = {
+            "probing.strategies": STRATEGIES,
+            "probing.random_draws": 1,
+            "probing.when_exhausted": "begin_again",
+            "attention.fixations": max(TOUCHES),
+            "recognition.touches": max(TOUCHES),
+        }
+        return as_parameters({**FIXATION_ONLY, **touching, **self.changes})
+
+    def splits(self, sequences: TouchSequences) -> list[Split]:
+        """Divide sequences into training and test; raise `RecognitionError` if no object trains."""
+        run = self.parameters()
+        if self.training is None:
+            return draw_splits(sequences, run.recognition.protocol, run.seed)
+        trains = np.array(["/".join(owner) in self.training for owner in sequences.objects])
+        if not trains.any() or trains.all():
+            raise RecognitionError(
+                f"{trains.sum()} of {len(trains)} objects train; some of each kind are needed."
+            )
+        of_sequence = trains[sequences.object_index]
+        return [Split(0, 0, np.flatnonzero(of_sequence), np.flatnonzero(~of_sequence))]
+
+
+def set_of_objects(name: Literal["paper", "benchmark"]) -> SetOfObjects:
+    """Return the division of a set that README.md states."""
+    if name == "benchmark":
+        return SetOfObjects(choosing_objects(), {"viewpoints.count": VIEWPOINTS})
+    folds = {"protocol": "auto", "maximum_splits": 1, "fold_rounds": 3}
+    return SetOfObjects(
+        changes={f"recognition.protocol.{key}": value for key, value in folds.items()}
+    )
 
 
 def main() -> None:
     """Measure, and write the figures as JSON to the file that the command names."""
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("meshes", type=Path, help="such as results/meshes")
+    parser.add_argument("set", choices=("paper", "benchmark"), help="the set of these meshes")
     parser.add_argument("output", type=Path, help="such as results/touch_agents.json")
-    output = parser.parse_args().output
-    objects = [load(path) for path in sorted(MESHES.glob("*/*.ply.gz"))]
-    rows = []
-    for row in measure(objects, CHOOSERS, FRAMES, TOUCHES):
-        rows.append(round_numbers(row))
-        print(row["chooser"], row["frame"], row["touches"], row["accuracy"]["objects"], flush=True)
-    atomic_write_text(output, json.dumps(rows) + "\n")
+    parser.add_argument("--touches", type=Path, help="folder that keeps the touches")
+    arguments = parser.parse_args()
+    objects, begun = set_of_objects(arguments.set), time.process_time()
+    meshes = usable_meshes(sorted(arguments.meshes.rglob("*.ply")))
+    tables = touch_all(meshes, objects.parameters(), arguments.touches)
+    touched = time.process_time()
+    chosen = {
+        name: choose(name, table, objects.parameters(), objects.splits)
+        for name, table in tables.items()
+    }
+    keys, values = measure(chosen, objects.parameters())
+    seconds = {"touches": touched - begun, "training and test": time.process_time() - touched}
+    figures: dict[str, Any] = summarise(keys, values, objects.parameters().recognition.intervals)
+    figures |= {"objects": [len(meshes), len(keys)], "processor_seconds": seconds}
+    atomic_write_text(arguments.output, json.dumps(round_numbers(figures)) + "\n")
+
+
+def touch_all(
+    meshes: Sequence[str | Path], parameters: ExperimentParameters, folder: Path | None = None
+) -> dict[str, pa.Table]:
+    """Return `tables.FEATURES` by chooser, for `adaptive` of all its candidates; `folder` keeps the tables."""
+    file = None if folder is None else folder / "touches.parquet"
+    if file is not None and file.exists():
+        table = read_table(FEATURES, file)
+    else:
+        parts = []
+        for mesh in meshes:
+            viewpoints = range(parameters.viewpoints.total)
+            subject = Subject.of_mesh(object_of(mesh), mesh, viewpoints)
+            parts += [
+                run_phases(subject, parameters)["features"],
+                touch_candidates(subject, parameters),
+            ]
+        table = pa.concat_tables(parts)
+        if file is not None:
+            file.parent.mkdir(parents=True, exist_ok=True)
+            write_table(FEATURES, table, file)
+    return {name: select(table, strategy=name) for name in CHOOSERS}
+
+
+def choose(
+    chooser: str, features: pa.Table, parameters: ExperimentParameters, draw: Draw
+) -> ChosenTouches:
+    """Return the touches of a chooser in each split that `draw` makes; only `adaptive` learns from the split."""
+    if chooser == ADAPTIVE.name:
+        return choose_touches(ADAPTIVE, features, parameters, max(TOUCHES), draw)
+    sequences = gather_pipeline(features, parameters.recognition, "order_free", parameters.seed)
+    splits = draw(sequences)
+    nothing = replace(sequences, features=sequences.features[:, :0])
+    first = select(features, touch=0)
+    return ChosenTouches(nothing, first, splits, [sequences.features] * len(splits))
 
 
 def measure(
-    objects: Sequence[TouchableObject],
-    choosers: Sequence[str],
-    frames: Sequence[str],
-    touches: Sequence[int],
-    parameters: Mapping[str, Any] | None = None,
-) -> Iterator[dict[str, Any]]:
-    """Yield one row per frame, chooser and number of touches; leads are over ``random``, paired by object.
+    chosen: Mapping[str, ChosenTouches],
+    parameters: ExperimentParameters,
+    predictors: Sequence[str] = PREDICTORS,
+    frames: Sequence[Frame] = FRAMES,
+    touches: Sequence[int] = TOUCHES,
+) -> tuple[list[str], dict[Cell, Values]]:
+    """Return the tested objects and their values by cell; predictors train on touches of the same chooser.
 
-    Each row has ``accuracy`` and ``loss`` with intervals of new objects and of new classes. The loss is the cross
-    entropy divided by that of a blind guess, as in the environment. `choosers` begin with ``random``.
+    The loss is the cross entropy divided by that of a blind guess, as in the environment. Raises `RecognitionError` if
+    choosers tested different objects.
     """
-    values = {**FIXATION_ONLY, "attention.fixations": max(touches), **(parameters or {})}
-    shared = as_parameters({**values, "probing.when_exhausted": "begin_again"})
-    features = {name: _features(objects, name, shared) for name in choosers}
-    for frame in frames:
-        at_random: dict[int, tuple[FloatArray, FloatArray]] = {}
-        for name in choosers:
-            for count in touches:
-                run = _with(shared, frame, count)
-                keys, correct, losses = score(features[name], run)
-                accuracy_at_random, loss_at_random = at_random.setdefault(count, (correct, losses))
-                row: dict[str, Any] = {"chooser": name, "frame": frame, "touches": count}
-                row["accuracy"] = _intervals(correct, keys, run, SHARE)
-                row["loss"] = _intervals(losses, keys, run, (0.0, math.inf))
-                if name != "random":
-                    gained, saved = correct - accuracy_at_random, losses - loss_at_random
-                    row["accuracy lead"] = _lead(gained, keys, run, DIFFERENCE)
-                    row["loss lead"] = _lead(saved, keys, run, UNBOUNDED)
-                yield row
+    values: dict[Cell, Values] = {}
+    tested: list[str] = []
+    for frame, predictor, count in product(frames, predictors, touches):
+        run = _with(parameters, frame, count)
+        for name, of_chooser in chosen.items():
+            with one_thread():
+                keys, found = score(predict_chosen(of_chooser, run, predictor))
+            tested = tested or keys
+            if keys != tested:
+                raise RecognitionError(
+                    f"{name} tested {len(keys)} objects; the same {len(tested)} as by other choosers are needed."
+                )
+            values[Cell(name, predictor, frame, count)] = found
+            means = ", ".join(f"{measure} {mean.mean():.3f}" for measure, mean in found.items())
+            print(frame, predictor, count, name, means, flush=True)
+    return tested, values
 
 
-def score(
-    features: pa.Table, run: ExperimentParameters
-) -> tuple[list[str], FloatArray, FloatArray]:
-    """Return keys (o,), share of correct answers (o,) and mean loss (o,) per object, over all splits."""
-    sequences = gather_pipeline(features, run.recognition, "order_free", run.seed)
-    pipeline = pipeline_of("order_free", run.recognition, run.seed)
-    splits = draw_splits(sequences, run.recognition.protocol, run.seed)
-    correct, losses = (np.zeros(len(sequences.objects)) for _ in range(2))
-    counts = np.zeros(len(sequences.objects))
-    for one in predict_splits(sequences, pipeline, splits, run.seed):
+def score(predictions: Predictions) -> tuple[list[str], Values]:
+    """Return the tested objects, and their share of correct answers and mean loss over all splits, (o,) each.
+
+    Raises `TypeError` if the classifier has no probabilities.
+    """
+    sequences = predictions.sequences
+    correct, losses, counts = np.zeros((3, len(sequences.objects)))
+    for one in predictions.splits:
         test = one.split.test
         labels, owners = sequences.labels[test], sequences.object_index[test]
         if one.log_probabilities is None:
@@ -107,42 +237,73 @@ def score(
         np.add.at(correct, owners, one.predicted == labels)
         np.add.at(losses, owners, -logs / math.log(len(sequences.classes)))
         np.add.at(counts, owners, 1)
-    keys = ["/".join(owner) for owner in sequences.objects]
-    return keys, correct / counts, losses / counts
+    tested = np.flatnonzero(counts)
+    keys = ["/".join(sequences.objects[index]) for index in tested]
+    found = {"accuracy": correct, "loss": losses}
+    return keys, {name: total[tested] / counts[tested] for name, total in found.items()}
 
 
-def _features(
-    objects: Sequence[TouchableObject], chooser: str, parameters: ExperimentParameters
-) -> pa.Table:
-    touched = (one.touch(strategy=chooser, parameters=parameters) for one in objects)
-    return pa.concat_tables(one.features for one in touched)
+def summarise(
+    keys: Sequence[str], values: Mapping[Cell, Values], intervals: IntervalParameters
+) -> dict[str, Any]:
+    """Compute values with intervals of new objects and of new classes per cell, and the compared differences.
+
+    `keys` and `values` are those of `measure`. Holm's correction covers all differences of both measures.
+    """
+    weights, classes = np.ones(len(keys)), [key.partition("/")[0] for key in keys]
+    cells: list[dict[str, Any]] = []
+    for cell, found in values.items():
+        row: dict[str, Any] = dict(vars(cell))
+        for name, (bounds, _) in MEASURES.items():
+            of_objects = object_interval(found[name], weights, intervals, bounds)
+            of_classes = class_interval(found[name], weights, classes, intervals, bounds)
+            row[name] = {
+                "objects": plain_interval(of_objects),
+                "classes": plain_interval(of_classes),
+            }
+        cells.append(row)
+    differences: list[dict[str, Any]] = []
+    for name, (_, bounds) in MEASURES.items():
+        for named, gap in _differences(partial(_mean_over_touches, values, name), values):
+            compared = compare_differences(gap, weights, intervals, bounds, classes)
+            differences.append({"measure": name, **named, "comparison": plain_comparison(compared)})
+    p_values = [row["comparison"]["p_value"] for row in differences]
+    for row, corrected in zip(differences, holm(p_values), strict=True):
+        row["corrected"] = corrected
+    return {"cells": cells, "differences": differences}
 
 
-def _with(parameters: ExperimentParameters, frame: str, touches: int) -> ExperimentParameters:
+def _differences(
+    mean_of: Callable[[str, str, str], FloatArray], values: Mapping[Cell, Values]
+) -> Iterator[tuple[dict[str, str], FloatArray]]:
+    """Yield the names and the values (o,) of each compared difference of the rule."""
+    choosers, predictors, frames = (
+        list(dict.fromkeys(getattr(cell, name) for cell in values))
+        for name in ("chooser", "predictor", "frame")
+    )
+    reference, *others = choosers
+    for frame, predictor, chooser in product(frames, predictors, others):
+        gap = mean_of(chooser, predictor, frame) - mean_of(reference, predictor, frame)
+        yield {"frame": frame, "predictor": predictor, "chooser": chooser}, gap
+    first, *rest = predictors
+    for frame, chooser, predictor in product(frames, choosers, rest):
+        gap = mean_of(chooser, predictor, frame) - mean_of(chooser, first, frame)
+        yield {"frame": frame, "predictor": f"{predictor} - {first}", "chooser": chooser}, gap
+
+
+def _mean_over_touches(
+    values: Mapping[Cell, Values], measure: str, chooser: str, predictor: str, frame: Frame
+) -> FloatArray:
+    """Return the mean of a measure over the numbers of touches `SHOWN`, (o,)."""
+    found = [values[Cell(chooser, predictor, frame, count)][measure] for count in SHOWN]
+    mean: FloatArray = np.mean(found, axis=0)
+    return mean
+
+
+def _with(parameters: ExperimentParameters, frame: Frame, touches: int) -> ExperimentParameters:
     values = parameters.model_dump(exclude_unset=True)
     chosen = {"frame": frame, "touches": touches}
     return as_parameters({**values, "recognition": {**values["recognition"], **chosen}})
-
-
-def _intervals(
-    values: FloatArray, keys: Sequence[str], run: ExperimentParameters, bounds: Bounds
-) -> dict[str, Any]:
-    weights, intervals = np.ones(len(values)), run.recognition.intervals
-    classes = [key.partition("/")[0] for key in keys]
-    return {
-        "objects": plain_interval(object_interval(values, weights, intervals, bounds)),
-        "classes": plain_interval(class_interval(values, weights, classes, intervals, bounds)),
-    }
-
-
-def _lead(
-    differences: FloatArray, keys: Sequence[str], run: ExperimentParameters, bounds: Bounds
-) -> dict[str, Any]:
-    classes = [key.partition("/")[0] for key in keys]
-    weights, intervals = np.ones(len(differences)), run.recognition.intervals
-    return plain_comparison(
-        compare_differences(differences, weights, intervals, bounds=bounds, classes=classes)
-    )
 
 
 if __name__ == "__main__":

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import pyarrow as pa
 
@@ -47,29 +48,34 @@ logger = logging.getLogger(__name__)
 
 
 def make_candidates(step: StepInputs) -> None:
-    """Touch objects at all candidates of `adaptive`, and write `tables.FEATURES`.
-
-    Only candidates in reach are touched, unless ``probing.unreachable`` is ``keep``.
-    """
-    features, parameters = [], step.run
-    for mesh in usable_meshes(step.inputs["meshes"]):
-        subject = Subject.of_mesh(object_of(mesh), mesh)
-        caster = subject.caster
-        generator = spawn_generator(parameters.seed, "candidates", subject.key)
-        spread = spread_far(caster.surface, CANDIDATES, generator)
-        outwards = orient_outwards(caster, spread.points, spread.normals)
-        locations = ProbingLocations(spread.points, outwards, spread.faces)
-        parts = [
-            candidate_table(Viewpoint(subject.key, number, caster, camera), locations)
-            for number, camera in enumerate(place_cameras(parameters.viewpoints))
-        ]
-        located = pa.concat_tables(parts).combine_chunks()
-        if parameters.probing.unreachable != "keep":
-            located = located.filter(pa.array(in_reach(caster, located, parameters.sensor)))
-        scene, seed = parameters.scene, parameters.seed
-        touches, _ = touch_part(caster, located, parameters.sensor, scene, seed)
-        features.append(run_phases(subject, parameters, {"touches": touches})["features"])
+    """Write the tables of `touch_candidates` of all objects."""
+    features = [
+        touch_candidates(Subject.of_mesh(object_of(mesh), mesh), step.run)
+        for mesh in usable_meshes(step.inputs["meshes"])
+    ]
     write_table(FEATURES, pa.concat_tables(features), step.outputs[0])
+
+
+def touch_candidates(subject: Subject, parameters: ExperimentParameters) -> pa.Table:
+    """Touch an object at all candidates of `adaptive` in reach, from every viewpoint; return `tables.FEATURES`.
+
+    With ``probing.unreachable`` ``keep`` candidates out of reach are touched too.
+    """
+    caster = subject.caster
+    generator = spawn_generator(parameters.seed, "candidates", subject.key)
+    spread = spread_far(caster.surface, CANDIDATES, generator)
+    outwards = orient_outwards(caster, spread.points, spread.normals)
+    locations = ProbingLocations(spread.points, outwards, spread.faces)
+    parts = [
+        candidate_table(Viewpoint(subject.key, number, caster, camera), locations)
+        for number, camera in enumerate(place_cameras(parameters.viewpoints))
+    ]
+    located = pa.concat_tables(parts).combine_chunks()
+    if parameters.probing.unreachable != "keep":
+        located = located.filter(pa.array(in_reach(caster, located, parameters.sensor)))
+    scene, seed = parameters.scene, parameters.seed
+    touches, _ = touch_part(caster, located, parameters.sensor, scene, seed)
+    return run_phases(subject, parameters, {"touches": touches})["features"]
 
 
 def make_adaptive_rows(step: StepInputs) -> None:
@@ -146,12 +152,24 @@ def choose_for_splits(
     policy: LearningPolicy, features: pa.Table, planned: Sequence[Planned]
 ) -> ChosenTouches:
     """Choose touches in every split; the conditions `planned` differ only in the number of touches."""
-    features, run = classes_of_two(features), planned[0].parameters
+    run = planned[0].parameters
+    most = max(condition.parameters.recognition.touches or 1 for condition in planned)
+    draw = partial(draw_splits, parameters=run.recognition.protocol, seed=run.seed)
+    return choose_touches(policy, classes_of_two(features), run, most, draw)
+
+
+def choose_touches(
+    policy: LearningPolicy,
+    features: pa.Table,
+    run: ExperimentParameters,
+    touches: int,
+    draw: Callable[[TouchSequences], list[Split]],
+) -> ChosenTouches:
+    """Choose so many touches per sequence in each of the splits that `draw` returns for the sequences."""
     first = select(features, touch=0)
     candidates = gather_candidates(features, _columns_of(first, run, "order_free"))
-    splits = draw_splits(candidates.sequences, run.recognition.protocol, run.seed)
-    most = max(condition.parameters.recognition.touches or 1 for condition in planned)
-    rows_of_splits = choose_in_splits(policy, candidates, splits, most, run)
+    splits = draw(candidates.sequences)
+    rows_of_splits = choose_in_splits(policy, candidates, splits, touches, run)
     chosen = [candidates.features[rows] for rows in rows_of_splits]
     return ChosenTouches(candidates.sequences, first, splits, chosen)
 
