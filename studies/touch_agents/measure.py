@@ -59,7 +59,7 @@ STRATEGIES = ("random", "random_visible", "fixation", "seek_relief")
 CHOOSERS = (*STRATEGIES, ADAPTIVE.name)
 PREDICTORS = ("order_free", "learned")
 FRAMES: tuple[Frame, ...] = ("full", "vertical", "centre", "none")
-TOUCHES = (1, 2, 3, 5, 8)
+TOUCHES = SHOWN
 MEASURES: Mapping[str, tuple[Bounds, Bounds]] = {
     "accuracy": (SHARE, DIFFERENCE),
     "loss": ((0.0, math.inf), UNBOUNDED),
@@ -126,7 +126,7 @@ def set_of_objects(name: Literal["paper", "benchmark"]) -> SetOfObjects:
     """Return the division of a set that README.md states."""
     if name == "benchmark":
         return SetOfObjects(choosing_objects(), {"viewpoints.count": VIEWPOINTS})
-    folds = {"protocol": "auto", "maximum_splits": 1, "fold_rounds": 3}
+    folds = {"protocol": "auto", "maximum_splits": 1, "fold_rounds": 1}
     return SetOfObjects(
         changes={f"recognition.protocol.{key}": value for key, value in folds.items()}
     )
