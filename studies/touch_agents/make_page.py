@@ -18,7 +18,7 @@ from filling import (
 )
 from matplotlib.figure import Figure
 
-from touch_agents.measure import CHOOSERS, FRAMES, PREDICTORS, TOUCHES
+from touch_agents.measure import CHOOSERS, FRAMES, MEASURES, PREDICTORS, TOUCHES
 from visuohaptic.report.drawing import INCH, look, style
 from visuohaptic.report.figures import whole_percent
 
@@ -46,18 +46,11 @@ def blocks() -> dict[str, str]:
     """Return the generated parts of the page by name of the block."""
     figures = figures_of_study(KEPT, SETS)
     tested = figures["benchmark"]["differences"]
-    seconds = figures["benchmark"]["processor_seconds"]
     return {
         "answer": answer(tested),
         "twelve": wrapped(_count(figures["paper"]["differences"], SETS["paper"])),
-        "figures": _figures_table(figures["benchmark"]["cells"]),
-        "differences": _differences_table(tested),
-        "figures of the twelve": _figures_table(figures["paper"]["cells"]),
+        "figures": figures_table(figures["benchmark"]["cells"], (IN_TABLE,)),
         "measured": measured(KEPT, SETS),
-        "seconds": wrapped(
-            f"On the {figures['benchmark']['objects'][0]} objects touching took {seconds['touches'] / 60:.0f} "
-            f"processor minutes, training and test {seconds['training and test'] / 60:.0f}."
-        ),
     }
 
 
@@ -66,7 +59,7 @@ def answer(rows: Sequence[Row]) -> str:
     leads = [row for row in rows if row["predictor"] in PREDICTORS]
     gains = [row for row in rows if row["predictor"] == LEARNED_GAIN]
     return "\n".join(
-        f"- {wrapped(line, '  ')}"
+        wrapped(f"- {line}", "  ")
         for line in (
             f"**Choosers.** {_shown(leads, 'leads over random places in reach')}",
             f"**Predictors.** {_shown(gains, 'differences of `learned` minus `order_free`')}",
@@ -98,47 +91,46 @@ def _count(rows: Sequence[Row], words: str) -> str:
     return f"On the {words} {shown} of {len(rows)} differences are shown; the smallest p value is {least:.2g} before the correction."
 
 
-def _figures_table(cells: Sequence[Row]) -> str:
-    found = {(row["frame"], row["chooser"], row["predictor"], row["touches"]): row for row in cells}
+def figures_table(cells: Sequence[Row], counts: Sequence[int]) -> str:
+    """Write accuracy and loss of each predictor by frame, number of touches and chooser."""
+    found = {(row["frame"], row["touches"], row["chooser"], row["predictor"]): row for row in cells}
+    heads = [f"`{name}`{value}" for name in PREDICTORS for value in ("", ", loss")]
+    named = ["frame", *(["touches"] if len(counts) > 1 else []), "chooser"]
     return table(
-        [
-            "frame",
-            "chooser",
-            *(f"{name}{what}" for name in ("`order_free`", "`learned`") for what in ("", ", loss")),
-        ],
+        [*named, *heads],
         [
             [
-                frame,
-                LABELS[chooser],
+                *(frame, count, LABELS[chooser])[:: 1 if len(counts) > 1 else 2],
                 *(
-                    write(found[frame, chooser, predictor, IN_TABLE])
+                    write(found[frame, count, chooser, predictor])
                     for predictor in PREDICTORS
                     for write in (_accuracy, _loss)
                 ),
             ]
             for frame in FRAMES
+            for count in counts
             for chooser in CHOOSERS
         ],
     )
 
 
-def _differences_table(rows: Sequence[Row]) -> str:
+def differences_table(rows: Sequence[Row]) -> str:
+    """Write the compared differences by frame and chooser: accuracy in points, then loss."""
     found = {(row["frame"], row["chooser"], row["predictor"], row["measure"]): row for row in rows}
-    columns = (*PREDICTORS, LEARNED_GAIN)
 
-    def cell(*key: str) -> str:
-        both = [found.get((*key, measure)) for measure in ("accuracy", "loss")]
+    def cell(frame: str, chooser: str, predictor: str) -> str:
+        both = [found.get((frame, chooser, predictor, measure)) for measure in MEASURES]
         return "; ".join(_marked(row) for row in both if row is not None)
 
+    leads = [f"lead, `{name}`" for name in PREDICTORS]
     return table(
+        ["frame", "chooser", *leads, "`learned` minus `order_free`"],
         [
-            "frame",
-            "chooser",
-            *(f"lead, `{name}`" for name in PREDICTORS),
-            "`learned` minus `order_free`",
-        ],
-        [
-            [frame, LABELS[chooser], *(cell(frame, chooser, name) for name in columns)]
+            [
+                frame,
+                LABELS[chooser],
+                *(cell(frame, chooser, name) for name in (*PREDICTORS, LEARNED_GAIN)),
+            ]
             for frame in FRAMES
             for chooser in CHOOSERS
         ],

@@ -1,7 +1,7 @@
 """Measure accuracy and loss after each touch, by chooser, predictor and frame: `python -m touch_agents.measure MESHES SET FILE`.
 
 MESHES is the folder ``results/meshes`` of a run of the set. `make keep STUDY=touch_agents/baselines SET=SET FILE=FILE`
-keeps the figures. README.md beside this file states what is asked and how it is judged.
+keeps the figures. README.md beside this file states the questions and the rule of the answers.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -73,7 +72,7 @@ Values = Mapping[str, FloatArray]
 
 @dataclass(frozen=True)
 class Cell:
-    """A chooser of touches, a predictor, what is known of the frame, and the number of touches."""
+    """A chooser of touches, a predictor, the known part of the frame, and the number of touches."""
 
     chooser: str
     predictor: str
@@ -140,18 +139,15 @@ def main() -> None:
     parser.add_argument("output", type=Path, help="such as results/touch_agents.json")
     parser.add_argument("--touches", type=Path, help="folder that keeps the touches")
     arguments = parser.parse_args()
-    objects, begun = set_of_objects(arguments.set), time.process_time()
+    objects = set_of_objects(arguments.set)
     meshes = usable_meshes(sorted(arguments.meshes.rglob("*.ply")))
     tables = touch_all(meshes, objects.parameters(), arguments.touches)
-    touched = time.process_time()
     chosen = {
         name: choose(name, table, objects.parameters(), objects.splits)
         for name, table in tables.items()
     }
     keys, values = measure(chosen, objects.parameters())
-    seconds = {"touches": touched - begun, "training and test": time.process_time() - touched}
-    figures: dict[str, Any] = summarise(keys, values, objects.parameters().recognition.intervals)
-    figures |= {"objects": [len(meshes), len(keys)], "processor_seconds": seconds}
+    figures = summarise(keys, values, objects.parameters().recognition.intervals)
     atomic_write_text(arguments.output, json.dumps(round_numbers(figures)) + "\n")
 
 

@@ -167,6 +167,7 @@ def test_choosers_that_tested_different_objects_are_not_compared():
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_the_command_measures_all_choosers_and_keeps_their_touches(tmp_path, monkeypatch):
     changes = {**FEW, **FOLDS, "viewpoints.count": 2, "rendering.resolution": 48}
     changes |= {"sensor.resolution": 16, "recognition.protocol.fold_rounds": 1}
