@@ -47,7 +47,8 @@ def choosing_sequences(path: Path, strategy: str) -> TouchSequences:
 
 def scores(sequences: TouchSequences, frame: Frame, passes: int) -> list[float]:
     """Return the share of correctly classified sequences in folds of whole objects, by the weights of `WEIGHTS`."""
-    parameters = RecognitionParameters(frame=frame, learned=LearnedParameters(passes=passes))
+    learned = LearnedParameters(passes=passes, pair_passes=passes)
+    parameters = RecognitionParameters(frame=frame, learned=learned)
     pipeline = LearnedPipeline.of(parameters, SEED)
     rows, labels = pipeline.rows(sequences), sequences.labels
     correct = np.zeros((len(WEIGHTS), len(rows)))

@@ -29,7 +29,7 @@ from visuohaptic.recognition.touch_network import (
     touch_elements,
 )
 
-FEW = LearnedParameters(units=16, passes=10)
+FEW = LearnedParameters(units=16, passes=10, pair_passes=10)
 FOLDS = ProtocolParameters(protocol="grouped_folds", folds=2)
 POSE = ("x", "y", "z", "normal_x", "normal_y", "normal_z")
 
@@ -136,6 +136,19 @@ def test_the_experiment_has_scores_and_probabilities_of_the_network(frame, touch
     assert set(scores.column("classifier").to_pylist()) == {TOUCH_NETWORK}
     assert scores.column("accuracy").to_numpy().mean() > 0.5
     assert predictions.column("probability").null_count == 0
+
+
+@pytest.mark.parametrize("frame", ELEMENTS)
+@pytest.mark.parametrize("touches", [1, 3])
+def test_the_passes_are_those_of_the_elements_that_are_learnt(frame, touches):
+    learned = LearnedParameters(units=4, passes=3, pair_passes=2)
+    parameters = RecognitionParameters(frame=frame, touches=touches, learned=learned)
+    sequences = sequences_of(parameters)
+    rows = rows_of(sequences, parameters)
+    fitted = classifier_of(parameters).fit(rows, sequences.labels)
+    has_pairs = rows["elements"].shape[1] == 6
+    assert has_pairs == (frame in {"none", "centre"} and touches > 1)
+    assert fitted.network_.n_iter_ == (2 if has_pairs else 3)
 
 
 def test_a_single_touch_is_its_own_element_where_pairs_are_learnt():

@@ -193,7 +193,15 @@ class LearnedParameters(Section):
     """
 
     units: int = Field(256, ge=1, le=10_000, description="Hidden units of the network")
-    passes: int = Field(80, ge=1, le=10_000, description="Passes over the training touches")
+    passes: int = Field(
+        80,
+        ge=1,
+        le=10_000,
+        description="Passes over the training touches, where touches are learnt",
+    )
+    pair_passes: int = Field(
+        20, ge=1, le=10_000, description="Passes over the training pairs, where pairs are learnt"
+    )
     discriminant_weight: float = Field(
         0.1,
         ge=0,

@@ -25,7 +25,12 @@ from visuohaptic.recognition.encoding import SequenceEncoder
 from visuohaptic.recognition.parameters import TOUCH_NETWORK, RecognitionParameters
 from visuohaptic.recognition.sequences import TouchSequences
 from visuohaptic.recognition.splits import held_out_folds
-from visuohaptic.recognition.touch_network import TouchNetwork, TouchPreparation, learned_rows
+from visuohaptic.recognition.touch_network import (
+    TouchNetwork,
+    TouchPreparation,
+    learned_rows,
+    learns_pairs,
+)
 
 logger = logging.getLogger(__name__)
 
@@ -159,7 +164,9 @@ class LearnedPipeline:
     def of(cls, parameters: RecognitionParameters, seed: int) -> LearnedPipeline:
         """Return the pipeline of some parameters; `seed` draws the waves of the descriptors and of pairs."""
         learned = parameters.learned
-        network = MLPClassifier((learned.units,), max_iter=learned.passes)
+        has_pairs = learns_pairs(parameters.frame, parameters.touches)
+        passes = learned.pair_passes if has_pairs else learned.passes
+        network = MLPClassifier((learned.units,), max_iter=passes)
         order_free = make_order_free()
         classifier = TouchNetwork(network, order_free[-1], learned.discriminant_weight)
         preparation = TouchPreparation(order_free[:-1])

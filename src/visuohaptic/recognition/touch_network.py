@@ -96,9 +96,12 @@ ELEMENTS: Mapping[Frame, Callable[..., FloatArray]] = {
 """Elements of sequences by the known part of the frame: pairs where a single touch has few coordinates."""
 
 
-def learns_pairs(frame: Frame, touches: int) -> bool:
-    """Return whether the elements of sequences of so many touches are pairs; a single touch has no pair."""
-    return ELEMENTS[frame] is pair_elements and touches > 1
+def learns_pairs(frame: Frame, touches: int | None) -> bool:
+    """Return whether the elements of sequences of so many touches are pairs; a single touch has no pair.
+
+    None, for all touches, counts as several.
+    """
+    return ELEMENTS[frame] is pair_elements and touches != 1
 
 
 def learned_rows(

@@ -1,5 +1,6 @@
 """The conditions of study `learned`, the table that it keeps, and the page from this table."""
 
+import json
 import re
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from classifier_settings.half import choosing_objects
 from learned.accuracies import arrange
 from learned.study import FRAMES, PIPELINES, STRATEGIES, TOUCHES, conditions
 from visuohaptic.base.errors import ReportError
+from visuohaptic.recognition.parameters import LearnedParameters
 from visuohaptic.report.leads import KNOWN
 from visuohaptic.report.wording import strategy_name
 from visuohaptic.studies.figures import Cell
@@ -25,6 +27,22 @@ def test_each_frame_and_number_of_touches_is_a_condition_of_both_pipelines():
     assert changes["none 5"]["recognition.frame"] == "none"
     assert changes["none 5"]["recognition.touches"] == 5
     assert {one["recognition.pipelines"] for one in changes.values()} == {PIPELINES}
+
+
+@pytest.mark.parametrize(("frame", "setting"), [("full", "passes"), ("none", "pair_passes")])
+def test_the_defaults_are_what_the_rule_takes_of_the_kept_scores(frame, setting):
+    kept = json.loads((FOLDER / "chosen.json").read_text())
+    scored = {
+        (int(name.split()[1]), weight): accuracy
+        for name, accuracies in kept["accuracy"].items()
+        if name.split()[0] == frame
+        for weight, accuracy in zip(kept["weights"], accuracies, strict=True)
+    }
+    close = [one for one in scored if scored[one] >= max(scored.values()) - 0.003]
+    fewest = min(passes for passes, _ in close)
+    taken = max((one for one in close if one[0] == fewest), key=scored.get)
+    defaults = LearnedParameters()
+    assert taken == (getattr(defaults, setting), defaults.discriminant_weight)
 
 
 def test_rows_name_their_condition_and_a_failed_condition_is_named():
