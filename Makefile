@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := report
-.PHONY: report why verify check test test-all test-hard golden test-slurm test-installed meshes gaze draws cues first_touch learned turned keep baselines packaged_model bench wheels release paper readme params format lock clean
+.PHONY: report why verify check test test-all test-hard golden test-slurm test-installed meshes gaze draws cues first_touch first_touch_turned learned turned keep baselines packaged_model bench wheels release paper readme params format lock clean
 .PHONY: site lint lint-types lint-code lint-workflow installed-alone installed-dvc
 
 export PYTHON ?= python3
@@ -123,6 +123,14 @@ first_touch: $(READY)
 	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" plugins="[studies/first_touch/plug_in/looking.py]" \
 	  -- results/first_touch.parquet
 	@python -m visuohaptic.studies.keeping first_touch $(SET)
+	@python -m first_touch.make_page
+
+# The same with turned objects: make first_touch_turned SET=benchmark
+first_touch_turned: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs
+first_touch_turned: $(READY)
+	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" plugins="[studies/first_touch/plug_in/looking.py]" \
+	  -- results/first_touch_turned.parquet
+	@python -m visuohaptic.studies.keeping first_touch_turned $(SET)
 	@python -m first_touch.make_page
 
 # Objects turned about the vertical and in any way, kept with the study (studies/turned/README.md): make turned SET=benchmark

@@ -1,6 +1,6 @@
-"""Study `first_touch`: accuracy after one, two, three and five touches, by ways to choose the first.
+"""Study `first_touch`: accuracy after one, two, three and five touches of upright objects, by ways to choose the first.
 
-The run needs the strategies of ``plug_in/looking.py`` as a plug-in.
+The run needs the strategies of ``plug_in/looking.py`` as a plug-in. Study `first_touch_turned` has turned objects.
 """
 
 from __future__ import annotations
@@ -21,9 +21,6 @@ TOUCHES = (1, 2, 3, 5)
 
 DRAWS_OF_PLACES = 5
 """Draws of random places on upright objects."""
-
-DRAWS_OF_TURNS = 3
-"""Draws of the turns; each has its own draw of random places."""
 
 RANDOM = ("random", "random_visible")
 RULES = ("highest", "nearest", "central")
@@ -50,32 +47,18 @@ def name_of(looking: str, turns: Turns, draw: int, frame: Frame, touches: int) -
 
 
 def conditions(_run: ExperimentParameters) -> Iterator[Condition]:
-    """Yield the conditions: all strategies on upright objects, some on turned objects, and each channel by itself."""
+    """Yield the conditions on upright objects: all strategies, and each channel by itself."""
     drawn = tuple(
         name_of_draw(strategy, draw) for strategy in RANDOM for draw in range(DRAWS_OF_PLACES)
     )
     upright = ("fixation", "human", "curvature", *drawn, *RULES, *PARTS)
-    yield from _of_pose("default", "none", 0, upright, {})
+    yield from conditions_of_pose("default", "none", 0, upright, {})
     for channel in CHANNELS:
         weights = {f"attention.weights.{name}": float(name == channel) for name in CHANNELS}
-        yield from _of_pose(channel, "none", 0, ("fixation",), weights, ("full",))
-    some = (
-        "fixation",
-        "human",
-        *RANDOM,
-        *RULES,
-        "gaze_channels",
-        "gaze_place",
-        "gaze_without_place",
-    )
-    turned: tuple[Turns, ...] = ("vertical", "any")
-    for turns in turned:
-        for draw in range(DRAWS_OF_TURNS):
-            changes = {"meshes.turns": turns, "meshes.turn_draw": draw}
-            yield from _of_pose("default", turns, draw, some, changes)
+        yield from conditions_of_pose(channel, "none", 0, ("fixation",), weights, ("full",))
 
 
-def _of_pose(
+def conditions_of_pose(
     looking: str,
     turns: Turns,
     draw: int,
@@ -83,7 +66,11 @@ def _of_pose(
     changes: Changes,
     frames: tuple[Frame, ...] | None = None,
 ) -> Iterator[Condition]:
-    # Without the plug-in the strategies of the package are left, so that a later run of another study can start.
+    """Yield one condition per known part of the frame and number of touches.
+
+    Strategies that are not registered are left out: without the plug-in the strategies of the package are left, so that
+    a later run of another study can start. `frames` are by default all that are measured with these turns (`FRAMES`).
+    """
     registered = tuple(name for name in strategies if draw_of(name)[0] in PLANNED.names)
     for frame in frames or FRAMES[turns]:
         for touches in TOUCHES:

@@ -52,9 +52,13 @@ class Place:
 
 
 def read_kept(name: str, folder: Path = Path(__file__).parent) -> pd.DataFrame:
-    """Read the kept rows of a set of objects, with the day of the measurement as attribute ``date``."""
+    """Read the kept rows of a set of objects, upright and turned.
+
+    Attribute ``date`` is the day of the measurement of upright objects.
+    """
     path = kept_file(folder, name)
-    rows = pd.read_parquet(path)
+    turned = kept_file(folder.with_name("first_touch_turned"), name)
+    rows = pd.concat([pd.read_parquet(path), pd.read_parquet(turned)], ignore_index=True)
     rows.attrs["date"] = read_source(path).date
     return rows
 

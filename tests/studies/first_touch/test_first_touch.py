@@ -10,6 +10,8 @@ from studies.surfaces import RUN
 from first_touch.accuracies import arrange
 from first_touch.study import FRAMES, PARTS, RULES, TOUCHES, conditions
 from first_touch.summary import LABELS, Place, accuracies, lead
+from first_touch_turned.study import STRATEGIES
+from first_touch_turned.study import conditions as turned_conditions
 from visuohaptic.attention.registry import CHANNELS
 from visuohaptic.base.draw_names import draw_of
 from visuohaptic.base.errors import ReportError
@@ -28,11 +30,11 @@ def changes():
         for held in ("_entries", "_sources"):
             patch.setattr(PLANNED, held, dict(getattr(PLANNED, held)))
         runpy.run_path(str(PLUG_IN))
-        yield {one.name: one.changes for one in conditions(RUN)}
+        yield {one.name: one.changes for one in (*conditions(RUN), *turned_conditions(RUN))}
 
 
 def test_without_the_plug_in_the_strategies_of_the_package_are_left():
-    for condition in conditions(RUN):
+    for condition in (*conditions(RUN), *turned_conditions(RUN)):
         named = {draw_of(name)[0] for name in condition.changes["probing.strategies"]}
         assert named <= {*PLANNED.names}
         assert "fixation" in named
@@ -52,6 +54,13 @@ def test_upright_objects_have_five_draws_of_places_and_turned_objects_three_draw
     for turns in ("vertical", "any"):
         draws = {changes[name]["meshes.turn_draw"] for name in changes if name.split()[1] == turns}
         assert draws == {0, 1, 2}
+        assert changes[f"default {turns} 0 full 1"]["probing.strategies"] == STRATEGIES
+
+
+def test_larger_sets_have_one_draw_of_turns():
+    meshes = RUN.meshes.model_copy(update={"set": "benchmark"})
+    large = turned_conditions(RUN.model_copy(update={"meshes": meshes}))
+    assert {one.changes["meshes.turn_draw"] for one in large} == {0}
 
 
 def test_each_channel_looks_alone_once(changes):
