@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -14,10 +15,10 @@ from first_touch.summary import LABELS, Place, accuracies, lead, read_kept
 from first_touch_turned.study import TURNS
 from visuohaptic.attention.registry import CHANNELS
 from visuohaptic.evaluation.intervals import PairedComparison, holm
+from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.estimates import estimate, with_interval
 from visuohaptic.report.figures import Series, draw_leads
-from visuohaptic.report.leads import KNOWN
 
 PAGE = Path(__file__).parent / "README.md"
 PICTURE = PAGE.with_name("first_touch.png")
@@ -27,7 +28,7 @@ DRAWN = (
     *("gaze_channels", "gaze_view", "gaze_place", "gaze_shape"),
 )
 """Ways to choose the first touch in the picture."""
-SHOWN = (1, 2, 5)
+SHOWN = (1, 5)
 """Numbers of touches in the table of leads; p values are corrected for all `TOUCHES`."""
 RIVALS = ("random_visible", *RULES)
 """Opponents of strategy `human`."""
@@ -44,19 +45,30 @@ LEVEL = 0.05
 """A lead is shown if its p value, corrected by Holm where several leads are compared, is below this level."""
 
 
+Leads = Mapping[tuple[Place, str], PairedComparison]
+"""Leads of strategy `human` by setting and rival."""
+
+_TURNED: Mapping[Turns, str] = {
+    "none": "upright",
+    "vertical": "about the vertical",
+    "any": "in any way",
+}
+
+
 def blocks() -> dict[str, str]:
     """Return the generated parts of the page by name of the block."""
     many, few = (read_kept(name) for name in SETS)
+    leads = human_leads(many)
     return {
         "sentence benchmark": wrapped(f"{sentence(many)}."),
         "parts": wrapped(part_sentence(many)),
-        "turned": wrapped(turned_sentence(many)),
-        "leads": lead_table(many),
+        "turned": wrapped(turned_sentence(leads)),
+        "leads": lead_table(leads),
         "few": wrapped(few_sentence(few), "  "),
     }
 
 
-def human_leads(rows: pd.DataFrame) -> dict[tuple[Place, str], PairedComparison]:
+def human_leads(rows: pd.DataFrame) -> Leads:
     """Compute the lead of strategy `human` over each rival, by measured setting."""
     settings = [
         Place(pipeline, touches, turns, known)
@@ -73,50 +85,50 @@ def human_leads(rows: pd.DataFrame) -> dict[tuple[Place, str], PairedComparison]
     }
 
 
-def lead_table(rows: pd.DataFrame) -> str:
-    """Return the leads of strategy `human`, one row per setting; p values are corrected for the whole table."""
-    leads = human_leads(rows)
+def lead_table(leads: Leads) -> str:
+    """Return leads of strategy `human`, one row per setting; p values are corrected for all `leads`.
+
+    Turned objects have one row per setting with one touch and the whole pose known.
+    """
     written = dict(zip(leads, in_words(list(leads.values())), strict=True))
-    heads = ["pipeline", "touches", *(f"minus {words}" for words in _SHORT.values())]
+    heads = ["objects", "pipeline", "touches", *(f"minus {words}" for words in _SHORT.values())]
+    shown = [
+        one
+        for one in dict.fromkeys(one for one, _ in leads)
+        if one.known == "full" and one.touches in (SHOWN if one.turns == "none" else (1,))
+    ]
     return table(
         heads,
         [
             [
-                _named(one),
+                _TURNED[one.turns],
+                "ours" if one.pipeline == "order_free" else "the paper's",
                 one.touches,
                 *(written[one, rival] for rival in _SHORT),
             ]
-            for one in dict.fromkeys(one for one, _ in leads)
-            if one.touches in SHOWN
+            for one in shown
         ],
     )
 
 
-def _named(one: Place) -> str:
-    name = "ours" if one.pipeline == "order_free" else "the paper's"
-    return name if one.known == "full" else f"{name}, {KNOWN[one.known]} known"
-
-
-def turned_sentence(rows: pd.DataFrame) -> str:
-    """Return the lead over random places in sight on turned objects, and how many leads in all settings stand."""
-    about, any_way = (
-        lead(rows, "human", "random_visible", Place(turns=turns), INTERVALS) for turns in TURNS
-    )
-    leads = [
+def turned_sentence(leads: Leads) -> str:
+    """Return the leads over random places in sight on turned objects, and how many of all `leads` over them stand."""
+    about, any_way = (leads[Place(turns=turns), "random_visible"] for turns in TURNS)
+    turned = [
         found
-        for (place, rival), found in human_leads(rows).items()
+        for (place, rival), found in leads.items()
         if place.turns != "none" and rival == "random_visible"
     ]
     stand = [
         found
-        for found, p in zip(leads, holm([one.p_value for one in leads]), strict=True)
+        for found, p in zip(turned, holm([one.p_value for one in turned]), strict=True)
         if p < LEVEL
     ]
     ahead = sum(found.difference.mean > 0 for found in stand)
     return (
-        f"With one touch the lead is {_both(about)} on objects turned about the vertical and {_both(any_way)} on objects turned "
-        f"in any way, in our pipeline with the whole pose known. After Holm's correction for all {len(leads)} leads over random "
-        f"places in sight on turned objects, by numbers of touches, pipelines and known parts of the pose, {ahead} are ahead and "
+        f"On turned objects the lead with one touch is {_both(about)} about the vertical and {_both(any_way)} in any way, in our "
+        f"pipeline with the whole pose known. Of all {len(turned)} leads over random places in sight on turned objects (by "
+        f"numbers of touches, pipelines and known parts of the pose) {ahead} stands ahead after Holm's correction, and "
         f"{len(stand) - ahead} behind."
     )
 
