@@ -1,0 +1,253 @@
+"""Choose what pipeline `learned` trains on: ``python -m learned.training results/meshes``.
+
+README.md beside this file states the rule. It was written before any score of this table was computed. The argument is
+the folder of prepared meshes of a run of set ``benchmark``; the choosing objects are touched anew.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+from sklearn.base import clone
+from sklearn.model_selection import StratifiedGroupKFold
+
+from classifier_settings.half import choosing_objects
+from learned.choose import FOLDS, FRAMES, SEED, STRATEGIES
+from visuohaptic.base.arrays import FloatArray
+from visuohaptic.evaluation.intervals import compare_paired
+from visuohaptic.geometry.surface import meshes_in
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.recognition.experiment import one_thread
+from visuohaptic.recognition.parameters import (
+    TOUCH_NETWORK,
+    Frame,
+    IntervalParameters,
+    RecognitionParameters,
+)
+from visuohaptic.recognition.pipelines import LearnedPipeline
+from visuohaptic.recognition.sequences import TouchSequences, gather_pipeline, join_sequences
+from visuohaptic.recognition.touch_network import descriptors_of
+from visuohaptic.studies.conditions import Recomputation
+from visuohaptic.studies.recomputing import Sources, recompute_features
+
+FEWER_TOUCHES = 4
+STRETCH = 0.1
+"""Standard deviation of the logarithm of a copy's factor along each axis."""
+NOISE = 0.1
+"""Standard deviation of the noise of a copy, in standard deviations of each number."""
+RING_DEGREES = 50.0
+"""Elevation of the second ring of views."""
+
+Touched = Mapping[str, TouchSequences]
+"""Sequences by strategy; `RING` and `TURNED` have other views and poses of the strategies."""
+RING, TURNED = "ring", "turned"
+Copies = Callable[[TouchSequences], TouchSequences]
+
+
+@dataclass(frozen=True)
+class Option:
+    """What trains beside the touches of the tested strategy.
+
+    Attributes
+    ----------
+    more : tuple of str
+        Further strategies, of `Touched`; in `RING` and `TURNED` that of the test.
+    copies : callable, optional
+        Changes copies of the sequences, which train beside them.
+    share : float
+        Share of the passes.
+    frames : tuple of str
+        Frames in which `more` trains.
+    """
+
+    more: tuple[str, ...] = ()
+    copies: Copies | None = None
+    share: float = 1.0
+    frames: tuple[Frame, ...] = FRAMES
+
+
+def mirrored(sequences: TouchSequences) -> TouchSequences:
+    """Reflect touches left and right; bands of opposite directions change their places."""
+    features, names = sequences.features.copy(), list(sequences.feature_names)
+    features[..., [names.index("x"), names.index("normal_x")]] *= -1
+    bands = [index for index, name in enumerate(names) if name.startswith("contourlet_")]
+    half = len(bands) // 2
+    features[..., bands] = sequences.features[..., bands[half - 1 :: -1] + bands[: half - 1 : -1]]
+    return replace(sequences, features=features)
+
+
+def stretched(sequences: TouchSequences) -> TouchSequences:
+    """Stretch each object by random factors along the axes; imprints stay."""
+    features, names = sequences.features.copy(), list(sequences.feature_names)
+    generator = np.random.default_rng(SEED)
+    drawn = np.exp(generator.normal(0, STRETCH, (len(sequences.objects), 3)))
+    factors = drawn[sequences.object_index][:, None]
+    point, normal = ([names.index(f"{kind}{axis}") for axis in "xyz"] for kind in ("", "normal_"))
+    features[..., point] *= factors
+    features[..., normal] /= factors
+    features[..., normal] /= np.linalg.norm(features[..., normal], axis=-1, keepdims=True)
+    return replace(sequences, features=features)
+
+
+def noisy(sequences: TouchSequences) -> TouchSequences:
+    """Add noise to all numbers of the touches."""
+    features = sequences.features
+    scale = NOISE * features.std(axis=(0, 1))
+    drawn = np.random.default_rng(SEED).normal(size=features.shape)
+    return replace(sequences, features=features + scale * drawn)
+
+
+def shortened(sequences: TouchSequences) -> TouchSequences:
+    """Leave out touches of each sequence by chance."""
+    ranks = np.random.default_rng(SEED).random(sequences.features.shape[:2]).argsort(axis=1)
+    kept = np.sort(ranks[:, :FEWER_TOUCHES], axis=1)
+    rows = np.arange(len(kept))[:, None]
+    return replace(sequences, features=sequences.features[rows, kept])
+
+
+KINDS = ("fixation", "random", "random_visible")
+DRAWS = ("random#1", "random#2")
+OPTIONS: Mapping[str, Option] = {
+    "own": Option(),
+    "strategies": Option(KINDS),
+    "strategies, as many steps": Option(KINDS, share=1 / 3),
+    "strategies and draws, as many steps": Option((*KINDS, *DRAWS), share=1 / 5),
+    "second ring of views": Option((RING,)),
+    "mirrored copies": Option(copies=mirrored),
+    "stretched copies": Option(copies=stretched),
+    "noisy copies": Option(copies=noisy),
+    "copies with a touch left out": Option(copies=shortened),
+    "turned objects": Option((TURNED,), frames=("none",)),
+}
+
+
+def touch(
+    meshes: Sequence[Path], folder: Path, name: str, changes: Mapping[str, object]
+) -> dict[str, TouchSequences]:
+    """Touch the objects of mesh files with changed parameters, or read what was touched before; by strategy."""
+    parameters = ExperimentParameters.from_mapping(dict(changes))
+    path = folder / f"{name}.parquet"
+    if not path.exists():
+        made = recompute_features(Recomputation("views", parameters), Sources(meshes=meshes))
+        pq.write_table(made, path)
+    table: pa.Table = pq.read_table(path)
+    return {
+        strategy: gather_pipeline(
+            table.filter(pc.equal(table["strategy"], strategy)),
+            RecognitionParameters(),
+            "learned",
+            SEED,
+        )
+        for strategy in parameters.probing.strategies
+    }
+
+
+def touch_all(meshes: Sequence[Path], folder: Path) -> dict[str, Touched]:
+    """Touch the objects in all ways that the options need; by tested strategy."""
+    both = {"probing": {"strategies": list(STRATEGIES)}}
+    ring = {"viewpoints": {"elevations_degrees": [RING_DEGREES]}, **both}
+    turned = {"meshes": {"turns": "any"}, **both}
+    own = touch(meshes, folder, "own", {"probing": {"strategies": [*KINDS, *DRAWS]}})
+    rings, turns = touch(meshes, folder, RING, ring), touch(meshes, folder, TURNED, turned)
+    return {name: {**own, RING: rings[name], TURNED: turns[name]} for name in STRATEGIES}
+
+
+def correct(touched: Touched, tested: str, option: Option, frame: Frame) -> FloatArray:
+    """Return whether each sequence of the tested strategy is classified right, (2, s): by `learned`, by its discriminant."""
+    parameters = RecognitionParameters(frame=frame)
+    pipeline = LearnedPipeline.of(parameters, SEED)
+    more = option.more if frame in option.frames else ()
+    joined = join_sequences([touched[name] for name in dict.fromkeys((tested, *more))])
+    parts = [joined] if option.copies is None else [joined, option.copies(joined)]
+    described = [pipeline.rows(part) for part in parts]
+    rows = np.concatenate([_with_elements(one, described[0].dtype) for one in described])
+    labels, owners = (
+        np.tile(values, len(parts)) for values in (joined.labels, joined.object_index)
+    )
+    own, count = touched[tested], len(touched[tested].features)
+    passes = max(1, round(option.share * pipeline.classifiers[TOUCH_NETWORK].network.max_iter))
+    found = np.zeros((2, count))
+    folds = StratifiedGroupKFold(FOLDS, shuffle=True, random_state=0)
+    for train, test in folds.split(own.labels, own.labels, owners[:count]):
+        trains = np.isin(owners, owners[train])
+        with one_thread():
+            preparation = clone(pipeline.preparation).set_params(random_state=0)
+            prepared = preparation.fit(rows[trains]).transform(rows[trains])
+            model = clone(pipeline.classifiers[TOUCH_NETWORK])
+            model.set_params(random_state=0, network__max_iter=passes)
+            model.fit(prepared, labels[trains])
+            tested_rows = preparation.transform(rows[test])
+            found[0, test] = model.predict(tested_rows) == labels[test]
+            by_discriminant = model.discriminant_.predict(descriptors_of(tested_rows))
+            found[1, test] = by_discriminant == labels[test]
+    return found
+
+
+def _with_elements(rows: NDArray[np.void], dtype: np.dtype[np.void]) -> NDArray[np.void]:
+    """Return rows with as many elements as `dtype` has; the first elements are repeated where there are fewer."""
+    filled = np.empty(len(rows), dtype=dtype)
+    filled["descriptors"] = rows["descriptors"]
+    wanted = filled["elements"].shape[1]
+    filled["elements"] = rows["elements"][:, np.arange(wanted) % rows["elements"].shape[1]]
+    return filled
+
+
+def main() -> None:
+    """Write the accuracy by every option, its gain over touches of the tested strategy, and the processor seconds."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("meshes", type=Path, help="results/meshes of a run of set benchmark")
+    parser.add_argument("--touched", type=Path, default=Path("results/training"))
+    parser.add_argument("--output", type=Path, default=Path("studies/learned/training.json"))
+    arguments = parser.parse_args()
+    arguments.touched.mkdir(parents=True, exist_ok=True)
+    meshes = meshes_in([arguments.meshes], choosing_objects())
+    touched = touch_all([*meshes.values()], arguments.touched)
+    cells = [(tested, frame) for frame in FRAMES for tested in STRATEGIES]
+    own: FloatArray = np.empty(0)
+    found = {}
+    for name, option in OPTIONS.items():
+        start = time.process_time()
+        shares = np.array(
+            [
+                by_object(correct(touched[one], one, option, frame), touched[one][one])
+                for one, frame in cells
+            ]
+        )
+        own = shares if option == OPTIONS["own"] else own
+        found[name] = {
+            "accuracy": dict(
+                zip(map(" ".join, cells), shares[:, 0].mean(axis=1).round(4).tolist(), strict=True)
+            ),
+            "gain": gain(shares[:, 0], own[:, 0]),
+            "discriminant": gain(shares[:, 1], own[:, 1]),
+            "seconds": round(time.process_time() - start, 1),
+        }
+        arguments.output.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+
+
+def by_object(right: FloatArray, sequences: TouchSequences) -> FloatArray:
+    """Return the share of each object's sequences that is classified right: (2, s) to (2, o)."""
+    owners = sequences.object_index
+    return np.stack([np.bincount(owners, weights=one) / np.bincount(owners) for one in right])
+
+
+def gain(shares: FloatArray, own: FloatArray) -> list[float]:
+    """Return the mean over cells and objects, (c, o) each, of the first minus the second, and its 95 % interval."""
+    difference = compare_paired(
+        shares.mean(axis=0), own.mean(axis=0), np.ones(shares.shape[1]), IntervalParameters()
+    ).difference
+    return [round(value, 4) for value in (difference.mean, difference.low, difference.high)]
+
+
+if __name__ == "__main__":
+    main()
