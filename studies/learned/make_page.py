@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -13,9 +16,17 @@ from matplotlib.figure import Figure
 
 from classifier_settings.half import choosing_objects
 from learned.study import FRAMES, PIPELINES, STRATEGIES, TOUCHES
-from visuohaptic.evaluation.intervals import PairedComparison, holm
+from learned.training import OPTIONS, taken
+from visuohaptic.evaluation.intervals import (
+    PairedComparison,
+    class_interval,
+    compare_paired,
+    holm,
+    object_interval,
+)
 from visuohaptic.evaluation.leads import compare_accuracies
 from visuohaptic.evaluation.means_over_draws import ObjectAccuracies
+from visuohaptic.meshes.catalogue import TEST_CLASSES
 from visuohaptic.recognition.parameters import Frame, IntervalParameters
 from visuohaptic.report.estimates import estimate, lead, with_interval
 from visuohaptic.report.figures import Series, draw_leads, of_new_classes
@@ -25,6 +36,9 @@ from visuohaptic.studies.keeping import kept_file, kept_files, read_source
 
 FOLDER = Path(__file__).parent
 PAGE = FOLDER / "README.md"
+MODELS = FOLDER.parent / "packaged_model"
+"""The study that keeps the answers of models of both pipelines."""
+TRIED = FOLDER / "tried.md"
 PICTURE = FOLDER / "learned.png"
 INTERVALS = IntervalParameters()
 LEVEL = 0.05
@@ -45,9 +59,49 @@ def blocks() -> dict[str, str]:
     return {
         "sentence": wrapped(f"{many.sentence()} {few.others_sentence()}"),
         "comparison": table([*heads, "`learned` minus `order_free`"], many.lines()),
+        "sure": wrapped(sure_sentence(pd.read_parquet(kept_file(MODELS, "all")))),
         "questions": wrapped(question_sentence(many.rows)),
         "sources": wrapped(f"Measured once and kept; {'; '.join(sources)}."),
     }
+
+
+def tried_blocks() -> dict[str, str]:
+    """Return the generated parts of the page on what was tried, by name of the block."""
+    found = json.loads((FOLDER / "training.json").read_text(encoding="utf-8"))
+    heads = [
+        "trains beside the tested strategy's touches",
+        "steps",
+        "gain",
+        "gain of the discriminant only",
+    ]
+    rows = [
+        [
+            name,
+            f"{OPTIONS[name].steps:.2g} ×",
+            *(spread(one[part]) for part in ("gain", "discriminant")),
+        ]
+        for name, one in found.items()
+        if name != "own"
+    ]
+    return {"training": table(heads, rows), "taken": wrapped(taken_sentence(found))}
+
+
+def spread(gain: Sequence[float]) -> str:
+    """Write a mean and the ends of its interval, shares, as points."""
+    mean, low, high = map(points, gain)
+    return f"{mean} ({low} to {high})"
+
+
+def taken_sentence(found: Mapping[str, Any]) -> str:
+    """Return what the rule takes in."""
+    name = taken(found)
+    if name != "own":
+        return f"**By the rule {name} is taken in.**"
+    best = max(OPTIONS.keys() - {"own"}, key=lambda option: float(found[option]["gain"][0]))
+    return (
+        f"**By the rule no option is taken in.** The largest gain, {spread(found[best]['gain'])} by "
+        f"*{best}*, is not shown."
+    )
 
 
 def held_out(name: str) -> pd.DataFrame:
@@ -144,6 +198,48 @@ def question_sentence(rows: pd.DataFrame) -> str:
     )
 
 
+def sure_sentence(answers: pd.DataFrame) -> str:
+    """Return how often the prediction sets of both pipelines hold the class of objects that their models did not learn."""
+    known = answers[~answers["class"].isin(TEST_CLASSES)]
+    said = []
+    for name in reversed(PIPELINES):
+        own = known[known["pipeline"] == name]
+        held = [one in sets for one, sets in zip(own["class"], own["candidates"], strict=True)]
+        values, weights = np.array(held, np.float64), np.ones(len(own))
+        over_objects = object_interval(values, weights, INTERVALS)
+        over_classes = class_interval(values, weights, own["class"].tolist(), INTERVALS)
+        ends = "; ".join(
+            f"{100 * one.low:.1f} to {100 * one.high:.1f}" for one in (over_objects, over_classes)
+        )
+        size = own["candidates"].map(len).mean()
+        said.append(
+            f"{share(over_objects.mean)} ({ends}) by `{name}`, with {size:.1f} classes on average"
+        )
+    right = known.assign(right=(known["named"] == known["class"]).astype(np.float64))
+    named = [
+        f"{gain_of_models(right, column)} from {words}"
+        for column, words in (("right", "16 views together"), ("views", "one view"))
+    ]
+    return (
+        f"**Set `all`:** models of both pipelines answered for {known['object'].nunique()} objects of "
+        f"{known['class'].nunique()} classes that they did not learn "
+        f"([packaged_model](../packaged_model/README.md); fixation, centre and vertical known). `order_free` → `learned` names "
+        f"right: {'; '.join(named)}. Prediction sets of 90 % hold the class of {', and of '.join(said)} "
+        f"(95 % intervals for new objects; new classes)."
+    )
+
+
+def gain_of_models(answers: pd.DataFrame, column: str) -> str:
+    """Write the mean of a column of both pipelines, and their difference with its intervals for new objects and classes."""
+    wide = answers.pivot(index=["class", "object"], columns="pipeline", values=column)
+    before, after = (wide[name].to_numpy() for name in PIPELINES)
+    classes = wide.index.get_level_values("class").tolist()
+    compared = compare_paired(after, before, np.ones(len(wide)), INTERVALS, classes)
+    intervals = compared.difference, compared.difference_new_classes
+    ends = "; ".join(f"{points(one.low)} to {points(one.high)}" for one in intervals)
+    return f"{share(before.mean())} → {share(after.mean())}, {points(compared.difference.mean)} ({ends})"
+
+
 def draw(gains: Gains) -> Figure:
     """Draw `learned` minus `order_free`, one row per known part of the pose and number of touches."""
     rows = list(product(reversed(TOUCHES), reversed(FRAMES)))
@@ -183,4 +279,5 @@ def compare(first: ObjectAccuracies, second: ObjectAccuracies) -> PairedComparis
 
 if __name__ == "__main__":
     fill_page(PAGE, blocks())
+    fill_page(TRIED, tried_blocks())
     save_picture(draw(Gains.of(held_out("benchmark"))), PICTURE)

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import argparse
 import json
-import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -25,7 +25,7 @@ from classifier_settings.half import choosing_objects
 from learned.choose import FOLDS, FRAMES, SEED, STRATEGIES
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.evaluation.intervals import compare_paired
-from visuohaptic.geometry.surface import meshes_in
+from visuohaptic.geometry.surface import object_of
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.experiment import one_thread
 from visuohaptic.recognition.parameters import (
@@ -45,6 +45,10 @@ STRETCH = 0.1
 """Standard deviation of the logarithm of a copy's factor along each axis."""
 NOISE = 0.1
 """Standard deviation of the noise of a copy, in standard deviations of each number."""
+CELLS = tuple((tested, frame) for frame in FRAMES for tested in STRATEGIES)
+"""Tested strategies and frames over which gains are averaged."""
+MARGIN = 0.003
+"""Options within this share of the best count as equal."""
 RING_DEGREES = 50.0
 """Elevation of the second ring of views."""
 
@@ -67,13 +71,19 @@ class Option:
     share : float
         Share of the passes.
     frames : tuple of str
-        Frames in which `more` trains.
+        Frames in which more trains; a mirror changes nothing where nothing of the pose is known.
     """
 
     more: tuple[str, ...] = ()
     copies: Copies | None = None
     share: float = 1.0
     frames: tuple[Frame, ...] = FRAMES
+
+    @property
+    def steps(self) -> float:
+        """Steps of training, relative to those of the tested strategy's touches only."""
+        parts = max(len(self.more), 1) + (self.more in {(RING,), (TURNED,)})
+        return parts * (1 if self.copies is None else 2) * self.share
 
 
 def mirrored(sequences: TouchSequences) -> TouchSequences:
@@ -123,7 +133,7 @@ OPTIONS: Mapping[str, Option] = {
     "strategies, as many steps": Option(KINDS, share=1 / 3),
     "strategies and draws, as many steps": Option((*KINDS, *DRAWS), share=1 / 5),
     "second ring of views": Option((RING,)),
-    "mirrored copies": Option(copies=mirrored),
+    "mirrored copies": Option(copies=mirrored, frames=("full",)),
     "stretched copies": Option(copies=stretched),
     "noisy copies": Option(copies=noisy),
     "copies with a touch left out": Option(copies=shortened),
@@ -166,8 +176,8 @@ def correct(touched: Touched, tested: str, option: Option, frame: Frame) -> Floa
     """Return whether each sequence of the tested strategy is classified right, (2, s): by `learned`, by its discriminant."""
     parameters = RecognitionParameters(frame=frame)
     pipeline = LearnedPipeline.of(parameters, SEED)
-    more = option.more if frame in option.frames else ()
-    joined = join_sequences([touched[name] for name in dict.fromkeys((tested, *more))])
+    option = option if frame in option.frames else OPTIONS["own"]
+    joined = join_sequences([touched[name] for name in dict.fromkeys((tested, *option.more))])
     parts = [joined] if option.copies is None else [joined, option.copies(joined)]
     described = [pipeline.rows(part) for part in parts]
     rows = np.concatenate([_with_elements(one, described[0].dtype) for one in described])
@@ -202,37 +212,66 @@ def _with_elements(rows: NDArray[np.void], dtype: np.dtype[np.void]) -> NDArray[
     return filled
 
 
+def taken(found: Mapping[str, Any]) -> str:
+    """Return the option that the rule takes in; ``own`` if it admits none. The fit's seconds are not checked here."""
+    admitted = {
+        name: one["gain"][0]
+        for name, one in found.items()
+        if one["gain"][1] > 0
+        and not {*OPTIONS[name].more} & {RING, TURNED}
+        and _loses_nowhere(one, found["own"])
+    }
+    close = [name for name, gained in admitted.items() if gained >= max(admitted.values()) - MARGIN]
+    return min(close, key=lambda name: OPTIONS[name].steps, default="own")
+
+
+def _loses_nowhere(one: Mapping[str, Any], own: Mapping[str, Any]) -> bool:
+    """Return whether an option has no lower mean accuracy than ``own`` in any frame."""
+
+    def by_frame(scores: Mapping[str, Any], frame: Frame) -> float:
+        return sum(scores["accuracy"][f"{tested} {frame}"] for tested in STRATEGIES)
+
+    return all(by_frame(one, frame) >= by_frame(own, frame) for frame in FRAMES)
+
+
 def main() -> None:
-    """Write the accuracy by every option, its gain over touches of the tested strategy, and the processor seconds."""
+    """Write the accuracy by every option, and its gain over touches of the tested strategy."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("meshes", type=Path, help="results/meshes of a run of set benchmark")
     parser.add_argument("--touched", type=Path, default=Path("results/training"))
     parser.add_argument("--output", type=Path, default=Path("studies/learned/training.json"))
     arguments = parser.parse_args()
     arguments.touched.mkdir(parents=True, exist_ok=True)
-    meshes = meshes_in([arguments.meshes], choosing_objects())
-    touched = touch_all([*meshes.values()], arguments.touched)
-    cells = [(tested, frame) for frame in FRAMES for tested in STRATEGIES]
-    own: FloatArray = np.empty(0)
-    found = {}
-    for name, option in OPTIONS.items():
-        start = time.process_time()
-        shares = np.array(
-            [
-                by_object(correct(touched[one], one, option, frame), touched[one][one])
-                for one, frame in cells
-            ]
-        )
-        own = shares if option == OPTIONS["own"] else own
-        found[name] = {
+    chose = choosing_objects()
+    meshes = sorted(path for path in arguments.meshes.rglob("*.ply") if object_of(path) in chose)
+    touched = touch_all(meshes, arguments.touched)
+    shares = {name: shares_of(touched, name, arguments.touched) for name in OPTIONS}
+    found = {
+        name: {
             "accuracy": dict(
-                zip(map(" ".join, cells), shares[:, 0].mean(axis=1).round(4).tolist(), strict=True)
+                zip(map(" ".join, CELLS), one[:, 0].mean(axis=1).round(4).tolist(), strict=True)
             ),
-            "gain": gain(shares[:, 0], own[:, 0]),
-            "discriminant": gain(shares[:, 1], own[:, 1]),
-            "seconds": round(time.process_time() - start, 1),
+            "gain": gain(one[:, 0], shares["own"][:, 0]),
+            "discriminant": gain(one[:, 1], shares["own"][:, 1]),
         }
-        arguments.output.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+        for name, one in shares.items()
+    }
+    arguments.output.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+
+
+def shares_of(touched: Mapping[str, Touched], name: str, folder: Path) -> FloatArray:
+    """Measure an option, or read what was measured before: (c, 2, o) for the cells of `CELLS` and o objects."""
+    path = folder / f"{name}.npy"
+    if not path.exists():
+        shares = [
+            by_object(
+                correct(touched[tested], tested, OPTIONS[name], frame), touched[tested][tested]
+            )
+            for tested, frame in CELLS
+        ]
+        np.save(path, np.array(shares))
+    measured: FloatArray = np.load(path)
+    return measured
 
 
 def by_object(right: FloatArray, sequences: TouchSequences) -> FloatArray:

@@ -13,6 +13,7 @@ from classifier_settings.half import choosing_objects
 from learned.accuracies import arrange
 from learned.study import FRAMES, PIPELINES, STRATEGIES, TOUCHES, conditions
 from visuohaptic.base.errors import ReportError
+from visuohaptic.meshes.catalogue import TEST_CLASSES
 from visuohaptic.recognition.parameters import LearnedParameters
 from visuohaptic.report.leads import KNOWN
 from visuohaptic.report.wording import strategy_name
@@ -107,3 +108,21 @@ def test_the_answer_counts_the_differences_that_stand_after_correction():
     assert f"in {sum(one[1] == 5 for one in ahead)} of {len(five)} settings with five" in text
     assert f"and in {sum(one[1] == 1 for one in ahead)} of {len(five)} with one touch" in text
     assert f"its gain is {min(five):+.1f} to {max(five):+.1f} points" in text
+
+
+def test_the_page_says_how_often_sets_hold_the_class_of_objects_that_were_not_learnt():
+    answers = pd.read_parquet(FOLDER.parent / "packaged_model/kept_all.parquet")
+    known = answers[~answers["class"].isin(TEST_CLASSES)]
+    text = " ".join((FOLDER / "README.md").read_text().split())
+    right = known.assign(right=known["named"] == known["class"]).groupby("pipeline")
+    for column, words in (("right", "16 views together"), ("views", "one view")):
+        before, after = (100 * right[column].mean()[name] for name in PIPELINES)
+        assert re.search(rf"{before:.1f} % → {after:.1f} %, [^)]*\) from {words}", text)
+    for name, own in known.groupby("pipeline"):
+        held = np.mean(
+            [one in sets for one, sets in zip(own["class"], own["candidates"], strict=True)]
+        )
+        size = np.mean([len(sets) for sets in own["candidates"]])
+        assert re.search(
+            rf"{100 * held:.1f} % \([^)]*\) by `{name}`, with {size:.1f} classes", text
+        )
