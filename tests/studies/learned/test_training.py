@@ -9,6 +9,8 @@ import pytest
 from recognition.synthetic import features_table
 from sklearn.model_selection import StratifiedGroupKFold
 
+from classifier_settings.half import choosing_objects
+from learned.changed import draw_lots
 from learned.choose import FOLDS
 from learned.training import (
     FEWER_TOUCHES,
@@ -131,3 +133,26 @@ def test_the_page_has_the_gains_of_the_kept_scores():
     name = taken(found)
     said = "no option is taken in." if name == "own" else f"{name} is taken in."
     assert f"By the rule {said}" in page
+
+
+def test_the_page_counts_the_drawn_views_that_become_right_and_wrong():
+    shown = json.loads((FOLDER / "changed.json").read_text())
+    before, after = (
+        [one["key"].startswith(f"{one[name]}/") for one in shown] for name in ("before", "after")
+    )
+    assert (len(shown), sum(after), sum(before)) == (10, 6, 4)
+    assert len({one["key"] for one in shown} - choosing_objects()) == 10
+    page = " ".join((FOLDER / "tried.md").read_text().split())
+    assert "Six become right, and four wrong." in page
+
+
+def test_the_lots_are_of_changed_views_of_objects_that_chose_nothing():
+    chose = sorted(choosing_objects())[0]
+    views = [(f"cup/c{number}", view) for number in range(20) for view in range(3)]
+    before = dict.fromkeys([*views, (chose, 0)], "cup")
+    after = {view: "bed" if view[1] else "cup" for view in before} | {(chose, 0): "bed"}
+    shown = draw_lots(before, after)
+    assert len({one.key for one in shown}) == 10
+    assert {(one.before, one.after) for one in shown} == {("cup", "bed")}
+    assert 0 not in {one.viewpoint for one in shown}
+    assert chose not in {one.key for one in shown}
