@@ -178,7 +178,6 @@ readme: $(DEVELOP) report
 	python -m known_objects.make_page
 	python -m baselines.make_page
 	python -m touch_agents.make_page
-	python -m touch_agents.make_figures_page
 	python -m touch_agents.make_learning_page
 	python -m packaged_model.make_page
 	python docs/make_claims.py

@@ -6,14 +6,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, get_args
 
-from filling import estimated, fill_page, points, save_picture, table, wrapped
+from filling import fill_page, points, resized, save_picture, share, table, wrapped
 from matplotlib.figure import Figure
 
 from touch_agents.candidates import SENSES, Setting
 from touch_agents.learner import TOUCHES
-from touch_agents.learning import SHOWN, Cell
-from visuohaptic.report.drawing import INCH, look, style
-from visuohaptic.report.estimates import Figure as Estimate
+from touch_agents.learning import DIFFERENCES, Cell
+from visuohaptic.report.drawing import look, style
 from visuohaptic.report.figures import whole_percent
 from visuohaptic.studies.keeping import read_figures
 
@@ -36,33 +35,9 @@ def blocks() -> dict[str, str]:
     """Return the generated parts of the page by name of the block."""
     figures, source = read_figures(HERE, "benchmark")
     seconds, (training, tested) = figures["processor_seconds"], figures["objects"]
-    cells = {
-        (row["setting"], row["touches"], row["senses"], row["trained"]): row["accuracy"]
-        for row in figures["accuracies"]
-    }
     return {
         "sentence": wrapped(sentence(figures["differences"])),
-        "accuracy": table(
-            ["objects", "touches", *LABELS.values()],
-            [
-                [setting, count, *(_share(cells[setting, count, *cell]) for cell in LABELS)]
-                for setting in SETTINGS
-                for count in (*map(str, SHOWN), "mean")
-            ],
-        ),
-        "differences": table(
-            ["objects", "difference", "points", "Holm's p", "answer"],
-            [
-                [
-                    row["setting"],
-                    row["name"],
-                    _points(row),
-                    f"{row['corrected']:.2g}",
-                    row["answer"],
-                ]
-                for row in figures["differences"]
-            ],
-        ),
+        "differences": differences_table(figures["differences"], figures["accuracies"]),
         "measured": wrapped(
             f"Measured on {source.date}, commit {source.commit[:12]}: {training} objects train, {tested} are tested. "
             f"All touches took {seconds['touches']:.0f} processor seconds, training and tests "
@@ -72,48 +47,73 @@ def blocks() -> dict[str, str]:
 
 
 def sentence(rows: Sequence[Row]) -> str:
-    """Answer the question of the page, with all differences and their intervals of new objects."""
+    """Answer the question of the page with intervals of new objects, and name the shown differences."""
     found = {(row["setting"], row["name"]): row for row in rows}
-    answers = [found[setting, name]["answer"] for name in QUESTIONS for setting in SETTINGS]
+    answers = {found[setting, name]["answer"] for name in QUESTIONS for setting in SETTINGS}
     told = {
         name: " and ".join(
-            f"{_points(found[setting, name], 1).replace(' (', ' points (')} on {setting} objects"
+            f"{_points(found[setting, name]).replace(' (', ' points (')} on {setting} objects"
             for setting in SETTINGS
         )
-        for _, name in found
+        for name in QUESTIONS
     }
     shown = [
         f"{name} on {setting} objects"
         for (setting, name), row in found.items()
         if row["answer"] == "yes"
     ]
-    first = answers[0].capitalize() if len({*answers}) == 1 else "It depends"
+    first = answers.pop().capitalize() if len(answers) == 1 else "It depends"
     return (
         f"**{first}: after training, the agent that sees is ahead of the blind agent by {told[QUESTIONS[0]]}; "
         f"with sight training gains more than without, by {told[QUESTIONS[1]]}.** "
-        f"With sight training gains {told['training with sight']}; without, {told['training without sight']}. "
         f"Shown after Holm's correction: {', '.join(shown) or 'no difference'}."
     )
 
 
-def _points(row: Row, intervals: int = 2) -> str:
-    """Write a difference in points with the interval of new objects and, if two are asked for, of new classes."""
-    found = row["comparison"]
-    ends = [
-        f"{points(found[name]['low'])} to {points(found[name]['high'])}"
-        for name in ("difference", "difference_new_classes")
-    ]
-    return f"{points(found['difference']['mean'])} ({'; '.join(ends[:intervals])})"
+def differences_table(rows: Sequence[Row], accuracies: Sequence[Row]) -> str:
+    """Write each difference with the two means that it compares, its p value and the answer."""
+    means: dict[str, dict[Cell, float]] = {setting: {} for setting in SETTINGS}
+    for row in accuracies:
+        if row["touches"] == "mean":
+            cell = row["senses"], row["trained"]
+            means[row["setting"]][cell] = row["accuracy"]["objects"]["mean"]
+    return table(
+        ["objects", "difference", "from", "to", "points", "Holm's p", "answer"],
+        [
+            [
+                row["setting"],
+                row["name"],
+                *_compared(DIFFERENCES[row["name"]], means[row["setting"]]),
+                _points(row),
+                f"{row['corrected']:.2g}",
+                row["answer"],
+            ]
+            for row in rows
+        ],
+    )
 
 
-def _share(found: Row) -> str:
-    return estimated(Estimate(**found["objects"]))
+def _compared(signs: Mapping[Cell, int], means: Mapping[Cell, float]) -> tuple[str, str]:
+    """Write the two means that a difference compares; of a difference of gains, both gains."""
+    if len(signs) > 2:
+        blind, seeing = (
+            means[senses, True] - means[senses, False] for senses in ("blind", "seeing")
+        )
+        return points(blind), points(seeing)
+    by_sign = {sign: means[cell] for cell, sign in signs.items()}
+    return share(by_sign[-1]), share(by_sign[1])
+
+
+def _points(row: Row) -> str:
+    """Write a difference in points with the interval of new objects."""
+    found = row["comparison"]["difference"]
+    return f"{points(found['mean'])} ({points(found['low'])} to {points(found['high'])})"
 
 
 @style()
 def draw(rows: Sequence[Row]) -> Figure:
     """Draw accuracy against touches, one column per setting, with the intervals of trained agents."""
-    figure = Figure(figsize=(500 / INCH, 280 / INCH), layout="constrained")
+    figure = Figure(layout="constrained")
     panels = figure.subplots(1, len(SETTINGS), sharey=True)
     counts = range(1, TOUCHES + 1)
     for panel, setting in zip(panels, SETTINGS, strict=True):
@@ -137,7 +137,7 @@ def draw(rows: Sequence[Row]) -> Figure:
     panels[0].set_ylabel("correctly classified")
     panels[0].yaxis.set_major_formatter(whole_percent)
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower left", ncols=2)
-    return figure
+    return resized(figure, 320)
 
 
 if __name__ == "__main__":

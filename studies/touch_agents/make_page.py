@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ from filling import (
     figures_of_study,
     fill_page,
     measured,
-    points,
+    resized,
     save_picture,
     share,
     table,
@@ -18,8 +19,9 @@ from filling import (
 )
 from matplotlib.figure import Figure
 
-from touch_agents.measure import CHOOSERS, FRAMES, MEASURES, PREDICTORS, TOUCHES
-from visuohaptic.report.drawing import INCH, look, style
+from touch_agents.measure import CHOOSERS, PREDICTORS, TOUCHES
+from touch_curves.choosing import ADAPTIVE
+from visuohaptic.report.drawing import look, style
 from visuohaptic.report.figures import whole_percent
 
 HERE = Path(__file__).parent
@@ -35,54 +37,76 @@ LABELS = {
 }
 SETS = {"benchmark": "75 tested objects", "paper": "12 objects"}
 IN_TABLE = 5
-"""Touches of the tables."""
-DRAWN = {"full": "the whole pose known", "none": "nothing known of the pose"}
+"""Touches of the table."""
+DRAWN = {"full": "the whole pose known", "none": "nothing known"}
+"""Frames of the picture and of the table."""
 LEVEL = 0.05
-LEARNED_GAIN = "learned - order_free"
+HEADS = {"accuracy": "correctly classified", "loss": "loss"}
+SIGNS = {"accuracy": 1, "loss": -1}
+"""Sign of a better difference, by measure."""
 Row = Mapping[str, Any]
 
 
 def blocks() -> dict[str, str]:
     """Return the generated parts of the page by name of the block."""
     figures = figures_of_study(KEPT, SETS)
-    tested = figures["benchmark"]["differences"]
+    of_benchmark = figures["benchmark"]
+    twelve = _count(figures["paper"]["differences"], SETS["paper"])
     return {
-        "answer": answer(tested),
-        "twelve": wrapped(_count(figures["paper"]["differences"], SETS["paper"])),
-        "figures": figures_table(figures["benchmark"]["cells"], (IN_TABLE,)),
+        "answer": wrapped(answer(of_benchmark["cells"], of_benchmark["differences"])),
+        "twelve": wrapped(f"- {twelve}", "  "),
+        "figures": figures_table(of_benchmark["cells"]),
         "measured": measured(KEPT, SETS),
     }
 
 
-def answer(rows: Sequence[Row]) -> str:
-    """Return which leads and which gains of the learned predictor are shown, of accuracy and of loss."""
-    leads = [row for row in rows if row["predictor"] in PREDICTORS]
-    gains = [row for row in rows if row["predictor"] == LEARNED_GAIN]
-    return "\n".join(
-        wrapped(f"- {line}", "  ")
-        for line in (
-            f"**Choosers.** {_shown(leads, 'leads over random places in reach')}",
-            f"**Predictors.** {_shown(gains, 'differences of `learned` minus `order_free`')}",
-        )
+def answer(cells: Sequence[Row], rows: Sequence[Row]) -> str:
+    """Return the best accuracy and loss of the table, and how many differences are shown."""
+    best = ", and ".join(f"{_best(cells, frame)} with {words}" for frame, words in DRAWN.items())
+    shown = [row for row in rows if row["corrected"] < LEVEL]
+    worse = sum(SIGNS[row["measure"]] * _mean(row) < 0 for row in shown)
+    leads, gains = (
+        [row for row in rows if (row["predictor"] in PREDICTORS) == is_lead]
+        for is_lead in (True, False)
+    )
+    return (
+        f"**After five touches an agent has to beat {best}: the best by choosers that know no more than the agent.** "
+        f"Leads over random places in reach are shown in {_better(leads)}: {_leaders(leads)}. "
+        f"`learned` is shown to be better than `order_free` in {_better(gains)}; {worse} differences are shown to be worse."
     )
 
 
-def _shown(rows: Sequence[Row], words: str) -> str:
+def _best(cells: Sequence[Row], frame: str) -> str:
+    """Write the highest accuracy and the lowest loss by choosers that an agent of the frame could be."""
+    own = [
+        row
+        for row in cells
+        if (row["frame"], row["touches"]) == (frame, IN_TABLE)
+        and (frame == "full" or row["chooser"] != ADAPTIVE.name)
+    ]
+    right = max(own, key=lambda row: float(row["accuracy"]["objects"]["mean"]))
+    lost = min(own, key=lambda row: float(row["loss"]["objects"]["mean"]))
+    return f"{_accuracy(right)} and a loss of {_loss(lost)}"
+
+
+def _better(rows: Sequence[Row]) -> str:
     parts = []
-    for measure, sign in (("accuracy", 1), ("loss", -1)):
+    for measure, sign in SIGNS.items():
         own = [row for row in rows if row["measure"] == measure]
-        shown = [row for row in own if row["corrected"] < LEVEL]
-        better = [row for row in shown if sign * _mean(row) > 0]
-        largest = max(own, key=lambda row: sign * _mean(row))
-        where = f"{LABELS[largest['chooser']]}, frame `{largest['frame']}`"
-        if largest["predictor"] in PREDICTORS:
-            where += f", predicted by `{largest['predictor']}`"
-        worse = len(shown) - len(better)
-        parts.append(
-            f"In {measure} {len(better)} of {len(own)} {words} are shown to be better, {worse} to be worse. "
-            f"The best is {_difference(largest)}{' points' * (measure == 'accuracy')}: {where}."
-        )
-    return " ".join(parts)
+        better = sum(row["corrected"] < LEVEL and sign * _mean(row) > 0 for row in own)
+        parts.append(f"{better} of {len(own)} cases of {measure}")
+    return " and ".join(parts)
+
+
+def _leaders(rows: Sequence[Row]) -> str:
+    """Name the choosers and frames of the shown leads."""
+    frames: dict[str, list[str]] = {}
+    for row in rows:
+        if row["corrected"] < LEVEL and SIGNS[row["measure"]] * _mean(row) > 0:
+            of_chooser = frames.setdefault(LABELS[row["chooser"]], [])
+            if (name := f"`{row['frame']}`") not in of_chooser:
+                of_chooser.append(name)
+    return ", and ".join(f"{name}, in {' and '.join(found)}" for name, found in frames.items())
 
 
 def _count(rows: Sequence[Row], words: str) -> str:
@@ -91,47 +115,25 @@ def _count(rows: Sequence[Row], words: str) -> str:
     return f"On the {words} {shown} of {len(rows)} differences are shown; the smallest p value is {least:.2g} before the correction."
 
 
-def figures_table(cells: Sequence[Row], counts: Sequence[int]) -> str:
-    """Write accuracy and loss of each predictor by frame, number of touches and chooser."""
+def figures_table(cells: Sequence[Row]) -> str:
+    """Write accuracy and loss of each predictor by drawn frame and chooser."""
     found = {(row["frame"], row["touches"], row["chooser"], row["predictor"]): row for row in cells}
-    heads = [f"`{name}`{value}" for name in PREDICTORS for value in ("", ", loss")]
-    named = ["frame", *(["touches"] if len(counts) > 1 else []), "chooser"]
     return table(
-        [*named, *heads],
         [
-            [
-                *(frame, count, LABELS[chooser])[:: 1 if len(counts) > 1 else 2],
-                *(
-                    write(found[frame, count, chooser, predictor])
-                    for predictor in PREDICTORS
-                    for write in (_accuracy, _loss)
-                ),
-            ]
-            for frame in FRAMES
-            for count in counts
-            for chooser in CHOOSERS
+            *("frame", "chooser"),
+            *(f"`{name}`{value}" for name in PREDICTORS for value in ("", ", loss")),
         ],
-    )
-
-
-def differences_table(rows: Sequence[Row]) -> str:
-    """Write the compared differences by frame and chooser: accuracy in points, then loss."""
-    found = {(row["frame"], row["chooser"], row["predictor"], row["measure"]): row for row in rows}
-
-    def cell(frame: str, chooser: str, predictor: str) -> str:
-        both = [found.get((frame, chooser, predictor, measure)) for measure in MEASURES]
-        return "; ".join(_marked(row) for row in both if row is not None)
-
-    leads = [f"lead, `{name}`" for name in PREDICTORS]
-    return table(
-        ["frame", "chooser", *leads, "`learned` minus `order_free`"],
         [
             [
                 frame,
                 LABELS[chooser],
-                *(cell(frame, chooser, name) for name in (*PREDICTORS, LEARNED_GAIN)),
+                *(
+                    write(found[frame, IN_TABLE, chooser, predictor])
+                    for predictor in PREDICTORS
+                    for write in (_accuracy, _loss)
+                ),
             ]
-            for frame in FRAMES
+            for frame in DRAWN
             for chooser in CHOOSERS
         ],
     )
@@ -141,75 +143,61 @@ def _mean(row: Row) -> float:
     return float(row["comparison"]["difference"]["mean"])
 
 
-def _marked(row: Row) -> str:
-    return f"**{_difference(row)}**" if row["corrected"] < LEVEL else _difference(row)
-
-
-def _difference(row: Row) -> str:
-    found = row["comparison"]["difference"]
-    write = points if row["measure"] == "accuracy" else _signed
-    return f"{write(found['mean'])} ({write(found['low'])} to {write(found['high'])})"
-
-
-def _signed(value: float) -> str:
-    return f"{value:+.2f}".replace("-", "\N{MINUS SIGN}")
-
-
 def _accuracy(row: Row) -> str:
-    intervals = [row["accuracy"][name] for name in ("objects", "classes")]
-    ends = "; ".join(f"{100 * one['low']:.0f}–{100 * one['high']:.0f}" for one in intervals)
-    return f"{share(intervals[0]['mean'])} ({ends})"
+    found = row["accuracy"]["objects"]
+    return f"{share(found['mean'])} ({100 * found['low']:.0f}–{100 * found['high']:.0f})"
 
 
 def _loss(row: Row) -> str:
-    intervals = [row["loss"][name] for name in ("objects", "classes")]
-    ends = "; ".join(f"{one['low']:.2f}–{one['high']:.2f}" for one in intervals)
-    return f"{intervals[0]['mean']:.2f} ({ends})"
+    found = row["loss"]["objects"]
+    return f"{found['mean']:.2f} ({found['low']:.2f}–{found['high']:.2f})"
 
 
 @style()
 def draw(cells: Sequence[Row]) -> Figure:
-    """Draw accuracy and loss against touches, one column per frame: learned predictor solid, fixed descriptors dotted."""
-    figure = Figure(figsize=(500 / INCH, 460 / INCH), layout="constrained")
-    axes = figure.subplots(2, len(DRAWN), sharex=True, sharey="row")
-    for column, (frame, words) in enumerate(DRAWN.items()):
-        axes[0, column].set_title(words, fontsize=9.5)
-        axes[1, column].set_xlabel("touches")
-        for place, name in enumerate(CHOOSERS):
-            colour, mark = look(place)
-            for predictor in PREDICTORS:
+    """Draw accuracy and loss against touches, one panel per frame: learned predictor solid, fixed descriptors dotted."""
+    figure = Figure(layout="constrained")
+    panels = figure.subplots(1, 2 * len(DRAWN))
+    for part, measure in enumerate(SIGNS):
+        own_panels = panels[part * len(DRAWN) :][: len(DRAWN)]
+        for panel, (frame, words) in zip(own_panels, DRAWN.items(), strict=True):
+            panel.set_title(words.removeprefix("the "), fontsize=9.5)
+            panel.set_xlabel("touches")
+            panel.set_xticks(TOUCHES)
+            for (place, name), predictor in product(enumerate(CHOOSERS), PREDICTORS):
                 learns = predictor == "learned"
-                own = [
-                    row
+                colour, mark = look(place)
+                found = [
+                    row[measure]["objects"]
                     for row in cells
                     if (row["frame"], row["chooser"], row["predictor"]) == (frame, name, predictor)
                 ]
-                for panel, value in zip(axes[:, column], ("accuracy", "loss"), strict=True):
-                    found = [row[value]["objects"] for row in own]
-                    line, low, high = (
-                        [one[end] for one in found] for end in ("mean", "low", "high")
-                    )
-                    panel.plot(
-                        TOUCHES,
-                        line,
-                        "-" if learns else ":",
-                        color=colour,
-                        marker=mark if learns else None,
-                        markersize=4,
-                        linewidth=1.5 if learns else 1,
-                        label=LABELS[name].strip("`") if learns else None,
-                    )
-                    if learns and name == "random":
-                        panel.fill_between(
-                            TOUCHES, low, high, color=colour, alpha=0.12, linewidth=0
-                        )
-        axes[1, column].set_xticks(TOUCHES)
-        axes[1, column].axhline(1, color="black", linestyle="--", linewidth=1)
-    axes[0, 0].set_ylabel("correctly classified")
-    axes[0, 0].yaxis.set_major_formatter(whole_percent)
-    axes[1, 0].set_ylabel("loss (dashed: a blind guess)")
-    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower left", ncols=3)
-    return figure
+                line, low, high = ([one[end] for one in found] for end in ("mean", "low", "high"))
+                panel.plot(
+                    TOUCHES,
+                    line,
+                    "-" if learns else ":",
+                    color=colour,
+                    marker=mark if learns else None,
+                    markersize=4,
+                    linewidth=1.5 if learns else 1,
+                    label=LABELS[name].strip("`") if learns else None,
+                )
+                if learns and name == "random":
+                    panel.fill_between(TOUCHES, low, high, color=colour, alpha=0.12, linewidth=0)
+        first, *others = own_panels
+        first.set_ylabel(HEADS[measure])
+        for panel in others:
+            panel.sharey(first)
+            panel.tick_params(labelleft=False)
+        first.autoscale()
+        if measure == "accuracy":
+            first.yaxis.set_major_formatter(whole_percent)
+        else:
+            for panel in own_panels:
+                panel.axhline(1, color="black", linestyle="--", linewidth=1)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower left", ncols=3)
+    return resized(figure, 320)
 
 
 if __name__ == "__main__":

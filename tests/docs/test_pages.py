@@ -292,7 +292,6 @@ def test_the_page_of_the_two_questions_shows_the_kept_leads(run_script):
         *("known_objects/make_page", "learned/make_page", "packaged_model/make_page"),
         *(
             "touch_agents/make_page",
-            "touch_agents/make_figures_page",
             "touch_agents/make_learning_page",
             "turned/make_page",
             "variants/make_page",
