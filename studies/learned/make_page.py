@@ -44,6 +44,9 @@ INTERVALS = IntervalParameters()
 LEVEL = 0.05
 """A difference is shown if its p value, with Holm's correction for all settings of the set, is below this level."""
 
+TABLED: tuple[Frame, ...] = ("full", "none")
+"""Frames of the table; the picture has all."""
+
 Setting = tuple[Frame, int, str]
 """Known part of the frame, touches per sequence, and strategy."""
 
@@ -146,11 +149,11 @@ class Gains:
         return int(self.rows["object"].nunique())
 
     def lines(self) -> list[list[object]]:
-        """Return the accuracies of both pipelines and their difference by the most touches, one line per setting."""
+        """Return the accuracies of both pipelines and their difference by the most touches, one line per tabled setting."""
         lines: list[list[object]] = []
         for setting, compared in self.compared.items():
             frame, touches, strategy = setting
-            if touches == max(TOUCHES):
+            if touches == max(TOUCHES) and frame in TABLED:
                 shares = [
                     share(accuracies(self.rows, *setting, pipeline).mean) for pipeline in PIPELINES
                 ]
@@ -241,18 +244,14 @@ def gain_of_models(answers: pd.DataFrame, column: str) -> str:
 
 
 def draw(gains: Gains) -> Figure:
-    """Draw `learned` minus `order_free`, one row per known part of the pose and number of touches."""
-    rows = list(product(reversed(TOUCHES), reversed(FRAMES)))
+    """Draw `learned` minus `order_free` by the most touches, one row per known part of the pose."""
+    frames, most = tuple(reversed(FRAMES)), max(TOUCHES)
     series = []
     for strategy in STRATEGIES:
-        leads = [lead(gains.compared[frame, touches, strategy]) for touches, frame in rows]
+        leads = [lead(gains.compared[frame, most, strategy]) for frame in frames]
         wider = [of_new_classes(one) for one in leads]
         series.append(Series(strategy_name(strategy), strategy_place(strategy), leads, None, wider))
-    words = [
-        f"{touches} touch{'es' if touches > 1 else ''}, known: {KNOWN[frame]}"
-        for touches, frame in rows
-    ]
-    return draw_leads(words, "touches and known part of the pose", series)
+    return draw_leads([KNOWN[frame] for frame in frames], "known part of the pose", series)
 
 
 def accuracies(

@@ -157,3 +157,18 @@ def test_accuracies_by_touches_have_a_line_per_series_and_a_band_where_there_are
     corners = {tuple(corner) for path in band.get_paths() for corner in path.vertices}
     assert corners >= {(1, 0.1), (1, 0.3), (5, 0.5), (5, 0.7)}
     assert [label.get_text() for label in axes.get_xticklabels()] == ["1", "5"]
+
+
+@pytest.mark.parametrize(
+    ("difference", "words"),
+    [
+        (0.025, "+2.5"),
+        (-0.1, "\N{MINUS SIGN}10"),
+        (0.1, "+10"),
+        (0.004, "+0.4"),
+        (-0.0, "0"),
+        (1, "+100"),
+    ],
+)
+def test_a_tick_between_whole_points_keeps_its_decimal(difference, words):
+    assert figures.as_points(difference) == words

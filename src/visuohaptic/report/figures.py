@@ -484,8 +484,9 @@ def whole_percent(share: float, _place: float = 0) -> str:
 
 
 def as_points(difference: float, _place: float = 0) -> str:
-    """Return a difference of shares in percentage points without decimals; a formatter of ticks."""
-    return f"{100 * difference:+.0f}".replace("-", "\N{MINUS SIGN}").replace("+0", "0")
+    """Return a difference of shares in percentage points, with the decimals that it has; a formatter of ticks."""
+    value = 100 * difference
+    return "0" if abs(value) < 1e-9 else f"{value:+.3g}".replace("-", "\N{MINUS SIGN}")
 
 
 def _rows(table: Rows) -> list[Mapping[str, Any]]:
