@@ -1,6 +1,6 @@
 """Choose the settings of pipeline `learned`: ``python -m learned.choose FEATURES``.
 
-README.md beside this file states the rule. It was written before any score of this table was computed.
+tried.md beside this file states the rule, which was written before any score was computed.
 """
 
 from __future__ import annotations

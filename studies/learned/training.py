@@ -1,7 +1,8 @@
 """Choose what pipeline `learned` trains on: ``python -m learned.training results/meshes``.
 
-README.md beside this file states the rule. It was written before any score of this table was computed. The argument is
-the folder of prepared meshes of a run of set ``benchmark``; the choosing objects are touched anew.
+tried.md beside this file states the rule, which was written before any score of its table was computed. The argument
+is the folder of prepared meshes of a run of set ``benchmark``; the choosing objects are touched anew. Sequences and
+scores that lie in folder `--touched` are read instead of measured: empty the folder after a change of code.
 """
 
 from __future__ import annotations
