@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := report
-.PHONY: report why verify check test test-all test-hard golden test-slurm test-installed meshes gaze draws cues first_touch first_touch_turned learned turned keep baselines packaged_model bench wheels release paper readme params format lock clean
+.PHONY: report why verify check test test-all test-hard golden test-slurm test-installed meshes gaze draws cues first_touch first_touch_turned learned learned_turned turned keep baselines packaged_model bench wheels release paper readme params format lock clean
 .PHONY: site lint lint-types lint-code lint-workflow installed-alone installed-dvc
 
 export PYTHON ?= python3
@@ -115,6 +115,13 @@ learned: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs
 learned: $(READY)
 	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" -- results/learned.parquet
 	@python -m visuohaptic.studies.keeping learned $(SET)
+	@python -m learned.make_page
+
+# The same with turned objects: make learned_turned SET=benchmark
+learned_turned: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs
+learned_turned: $(READY)
+	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" -- results/learned_turned.parquet
+	@python -m visuohaptic.studies.keeping learned_turned $(SET)
 	@python -m learned.make_page
 
 # The first touch by ways to choose its place (studies/first_touch/README.md): make first_touch SET=benchmark

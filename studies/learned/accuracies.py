@@ -19,15 +19,17 @@ def make_learned(step: StepInputs) -> None:
 
 
 def arrange(cells: Mapping[CellKey, Cell]) -> pa.Table:
-    """Return one row per object and cell, with frame and number of touches. Raises `ReportError` if a condition failed."""
+    """Return one row per object and cell, with turns, frame, touches and views. Raises `ReportError` if a condition failed."""
     rows = []
     for (condition, pipeline, strategy, _), cell in cells.items():
         if cell.error:
             raise ReportError(f"Condition {condition} could not be measured: {cell.error}")
-        frame, touches = condition.split()
+        turns, frame, touches, views = condition.split()
         named = {
+            "turns": turns,
             "frame": frame,
             "touches": int(touches),
+            "views": int(views),
             "pipeline": pipeline,
             "strategy": strategy,
         }

@@ -1,10 +1,20 @@
-"""Study `learned`: the accuracy of pipeline `learned` beside that of `order_free`, in each frame."""
+"""Study `learned`: the accuracy of pipeline `learned` beside that of `order_free`, on upright objects.
+
+Written before the figures of several views and of turned objects were computed, for objects that chose no setting. Is
+`learned` ahead of `order_free`? Each question has Holm's correction for its own settings:
+
+1. By one view of upright objects, for each known part of the frame, strategy and number of touches (24 settings).
+2. By all views of an object together, with the most touches (12 settings).
+3. On turned objects, by one view and by all, with the most touches (12 settings; study `learned_turned`).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import product
 from typing import get_args
 
+from visuohaptic.geometry.turning import Turns
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import Frame
 from visuohaptic.studies.conditions import ONE_CLASSIFIER
@@ -17,23 +27,31 @@ TOUCHES = (1, 5)
 """Numbers of touches per sequence."""
 
 
-def conditions(_run: ExperimentParameters) -> Iterator[Condition]:
-    """Yield one condition per frame and number of touches.
+def conditions(run: ExperimentParameters) -> Iterator[Condition]:
+    """Yield the conditions on upright objects."""
+    for frame, touches in product(FRAMES, TOUCHES):
+        yield from conditions_of_pose("none", frame, touches, run)
+
+
+def conditions_of_pose(
+    turns: Turns, frame: Frame, touches: int, run: ExperimentParameters
+) -> Iterator[Condition]:
+    """Yield a condition of one view and, with the most touches, one of all views of an object together.
 
     Each object is tested once, because a network takes longer to fit than a discriminant. A single touch whose pose is
     unknown has no coordinates but still an imprint.
     """
-    for frame in FRAMES:
-        for touches in TOUCHES:
-            changes = {
-                **ONE_CLASSIFIER,
-                "probing.strategies": STRATEGIES,
-                "recognition.pipelines": PIPELINES,
-                "recognition.frame": frame,
-                "recognition.touches": touches,
-                "recognition.protocol.protocol": "grouped_folds",
-            }
-            yield Condition(f"{frame} {touches}", changes)
+    changes = {
+        **ONE_CLASSIFIER,
+        "meshes.turns": turns,
+        "probing.strategies": STRATEGIES,
+        "recognition.pipelines": PIPELINES,
+        "recognition.frame": frame,
+        "recognition.touches": touches,
+        "recognition.protocol.protocol": "grouped_folds",
+    }
+    for votes in (None, run.viewpoints.total) if touches == max(TOUCHES) else (None,):
+        yield Condition(f"{turns} {frame} {touches} {votes or 1}", changes, votes=votes)
 
 
 STUDY = Study(

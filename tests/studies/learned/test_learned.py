@@ -12,6 +12,7 @@ from studies.surfaces import RUN
 from classifier_settings.half import choosing_objects
 from learned.accuracies import arrange
 from learned.study import FRAMES, PIPELINES, STRATEGIES, TOUCHES, conditions
+from learned_turned import study as learned_turned
 from visuohaptic.base.errors import ReportError
 from visuohaptic.meshes.catalogue import TEST_CLASSES
 from visuohaptic.recognition.parameters import LearnedParameters
@@ -22,12 +23,30 @@ from visuohaptic.studies.figures import Cell
 FOLDER = Path(__file__).parents[3] / "studies/learned"
 
 
-def test_each_frame_and_number_of_touches_is_a_condition_of_both_pipelines():
-    changes = {one.name: one.changes for one in conditions(RUN)}
-    assert set(changes) == {f"{frame} {touches}" for frame in FRAMES for touches in TOUCHES}
-    assert changes["none 5"]["recognition.frame"] == "none"
-    assert changes["none 5"]["recognition.touches"] == 5
+def test_each_frame_is_measured_by_one_view_and_five_touches_also_by_all_views():
+    planned = list(conditions(RUN))
+    changes = {one.name: one.changes for one in planned}
+    many = RUN.viewpoints.total
+    assert set(changes) == {
+        *(f"none {frame} {touches} 1" for frame in FRAMES for touches in TOUCHES),
+        *(f"none {frame} 5 {many}" for frame in FRAMES),
+    }
+    assert changes["none centre 5 1"]["recognition.frame"] == "centre"
+    assert changes["none centre 1 1"]["recognition.touches"] == 1
+    assert changes["none centre 5 1"] == changes[f"none centre 5 {many}"]
+    assert {one.votes for one in planned if one.name.endswith(f" {many}")} == {many}
+    assert {one.votes for one in planned if one.name.endswith(" 1")} == {None}
     assert {one["recognition.pipelines"] for one in changes.values()} == {PIPELINES}
+
+
+def test_turned_objects_are_measured_by_what_their_turn_leaves_known():
+    changes = {one.name: one.changes for one in learned_turned.conditions(RUN)}
+    many = RUN.viewpoints.total
+    assert set(changes) == {
+        f"{pose} 5 {views}" for pose in ("vertical vertical", "any none") for views in (1, many)
+    }
+    assert changes["any none 5 1"]["meshes.turns"] == "any"
+    assert changes["vertical vertical 5 1"]["recognition.frame"] == "vertical"
 
 
 @pytest.mark.parametrize(("frame", "setting"), [("full", "passes"), ("none", "pair_passes")])
@@ -47,15 +66,16 @@ def test_the_defaults_are_what_the_rule_takes_of_the_kept_scores(frame, setting)
 
 
 def test_rows_name_their_condition_and_a_failed_condition_is_named():
-    key = ("none 5", "learned", "fixation", "touch_network")
+    key = ("any none 5 16", "learned", "fixation", "touch_network")
     cell = Cell((("box", "a"), ("cup", "b")), np.array([0.5, 1.0]), np.ones(2))
     (first, _) = arrange({key: cell}).to_pylist()
     assert first == {
-        "frame": "none", "touches": 5, "pipeline": "learned", "strategy": "fixation",
-        "object": "box/a", "accuracy": 0.5, "weight": 1.0,
+        "turns": "any", "frame": "none", "touches": 5, "views": 16, "pipeline": "learned",
+        "strategy": "fixation", "object": "box/a", "accuracy": 0.5, "weight": 1.0,
     }  # fmt: skip
     failed = Cell((), np.empty(0), np.empty(0), error="no sequence")
-    with pytest.raises(ReportError, match="Condition none 5 could not be measured: no sequence"):
+    said = "Condition any none 5 16 could not be measured: no sequence"
+    with pytest.raises(ReportError, match=said):
         arrange({key: failed})
 
 
