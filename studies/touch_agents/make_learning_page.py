@@ -137,7 +137,7 @@ def draw(rows: Sequence[Row]) -> Figure:
     panels[0].set_ylabel("correctly classified")
     panels[0].yaxis.set_major_formatter(whole_percent)
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower left", ncols=2)
-    return resized(figure, 320)
+    return resized(figure, 284)
 
 
 if __name__ == "__main__":

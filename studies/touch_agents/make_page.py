@@ -19,7 +19,8 @@ from filling import (
 )
 from matplotlib.figure import Figure
 
-from touch_agents.measure import CHOOSERS, PREDICTORS, TOUCHES
+from touch_agents.learning import SHOWN
+from touch_agents.measure import CHOOSERS, PREDICTORS
 from touch_curves.choosing import ADAPTIVE
 from visuohaptic.report.drawing import look, style
 from visuohaptic.report.figures import whole_percent
@@ -163,7 +164,7 @@ def draw(cells: Sequence[Row]) -> Figure:
         for panel, (frame, words) in zip(own_panels, DRAWN.items(), strict=True):
             panel.set_title(words.removeprefix("the "), fontsize=9.5)
             panel.set_xlabel("touches")
-            panel.set_xticks(TOUCHES)
+            panel.set_xticks(SHOWN)
             for (place, name), predictor in product(enumerate(CHOOSERS), PREDICTORS):
                 learns = predictor == "learned"
                 colour, mark = look(place)
@@ -174,7 +175,7 @@ def draw(cells: Sequence[Row]) -> Figure:
                 ]
                 line, low, high = ([one[end] for one in found] for end in ("mean", "low", "high"))
                 panel.plot(
-                    TOUCHES,
+                    SHOWN,
                     line,
                     "-" if learns else ":",
                     color=colour,
@@ -184,7 +185,7 @@ def draw(cells: Sequence[Row]) -> Figure:
                     label=LABELS[name].strip("`") if learns else None,
                 )
                 if learns and name == "random":
-                    panel.fill_between(TOUCHES, low, high, color=colour, alpha=0.12, linewidth=0)
+                    panel.fill_between(SHOWN, low, high, color=colour, alpha=0.12, linewidth=0)
         first, *others = own_panels
         first.set_ylabel(HEADS[measure])
         for panel in others:
@@ -197,7 +198,7 @@ def draw(cells: Sequence[Row]) -> Figure:
             for panel in own_panels:
                 panel.axhline(1, color="black", linestyle="--", linewidth=1)
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower left", ncols=3)
-    return resized(figure, 320)
+    return resized(figure, 288)
 
 
 if __name__ == "__main__":

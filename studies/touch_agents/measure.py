@@ -82,7 +82,6 @@ STRATEGIES = ("random", "random_visible", "fixation", "seek_relief")
 CHOOSERS = (*STRATEGIES, ADAPTIVE.name)
 PREDICTORS = ("order_free", "learned")
 FRAMES: tuple[Frame, ...] = ("full", "vertical", "centre", "none")
-TOUCHES = SHOWN
 MEASURES: Mapping[str, tuple[Bounds, Bounds]] = {
     "accuracy": (SHARE, DIFFERENCE),
     "loss": ((0.0, math.inf), UNBOUNDED),
@@ -126,8 +125,8 @@ class SetOfObjects:
             "probing.strategies": STRATEGIES,
             "probing.random_draws": 1,
             "probing.when_exhausted": "begin_again",
-            "attention.fixations": max(TOUCHES),
-            "recognition.touches": max(TOUCHES),
+            "attention.fixations": max(SHOWN),
+            "recognition.touches": max(SHOWN),
         }
         return as_parameters({**FIXATION_ONLY, **touching, **self.changes})
 
@@ -205,7 +204,7 @@ def choose(
 ) -> ChosenTouches:
     """Return the touches of a chooser in each split that `draw` makes; only `adaptive` learns from the split."""
     if chooser == ADAPTIVE.name:
-        return choose_touches(ADAPTIVE, features, parameters, max(TOUCHES), draw)
+        return choose_touches(ADAPTIVE, features, parameters, max(SHOWN), draw)
     sequences = gather_pipeline(features, parameters.recognition, "order_free", parameters.seed)
     splits = draw(sequences)
     nothing = replace(sequences, features=sequences.features[:, :0])
@@ -218,7 +217,7 @@ def measure(
     parameters: ExperimentParameters,
     predictors: Sequence[str] = PREDICTORS,
     frames: Sequence[Frame] = FRAMES,
-    touches: Sequence[int] = TOUCHES,
+    touches: Sequence[int] = SHOWN,
 ) -> tuple[list[str], dict[Cell, Values]]:
     """Return the tested objects and their values by cell; predictors train on touches of the same chooser.
 

@@ -35,7 +35,7 @@ def in_this_process(monkeypatch):
 def touched(strategy="fixation", objects=(3, 3), separation=1.0, training=None, viewpoints=3):
     """Return the touches of a chooser at synthetic objects, and the set's parameters."""
     own = SetOfObjects(training, {**FEW, **({} if training else FOLDS)})
-    table = features_table(strategy, objects, viewpoints, max(module.TOUCHES), separation)
+    table = features_table(strategy, objects, viewpoints, max(module.SHOWN), separation)
     return choose(strategy, table, own.parameters(), own.splits), own.parameters()
 
 
