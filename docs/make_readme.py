@@ -42,6 +42,8 @@ SETTINGS = {
     "with its map": "5 touches",
     "without the map": "5 touches, without the map",
 }
+BESIDE = "\N{NO-BREAK SPACE}/\N{NO-BREAK SPACE}"
+STRATEGIES = {"fixation": "eye fixations", "random": "random probing"}
 RUNS = {
     "cold_run": "cold `snakemake -j2`, meshes to report",
     "no_op": "nothing to do",
@@ -51,27 +53,19 @@ RUNS = {
 
 
 def results_table(metrics: dict[str, Any]) -> str:
-    """Set the accuracies of the paper's pipeline, of `reports/metrics.json`, beside the published ones."""
-    strategies, rows = ("fixation", "random"), []
-    for classifier, label in LABELS.items():
-        cells = [
-            cell
-            for one in strategies
-            for cell in (
-                cell_of(metrics["results"]["paper"][one], classifier),
-                share(TABLE_1[classifier][one], 2),
-            )
+    """Set the accuracies of the paper's pipeline, of `reports/metrics.json`, beside the published ones, in per cent."""
+    rows = [
+        [
+            words,
+            *(
+                f"{100 * results[classifier]['accuracy']['mean']:.1f}{BESIDE}{100 * TABLE_1[classifier][strategy]:.2f}"
+                for classifier in LABELS
+            ),
         ]
-        rows.append([label, *cells])
-    return table(
-        ["classifier", *("eye fixations", "published", "random probing", "published")], rows
-    )
-
-
-def cell_of(by_classifier: dict[str, Any], classifier: str) -> str:
-    """Write the accuracy of a classifier with its interval."""
-    found = by_classifier[classifier]["accuracy"]
-    return f"{share(found['mean'])} ({100 * found['low']:.1f}–{100 * found['high']:.1f})"
+        for strategy, words in STRATEGIES.items()
+        for results in [metrics["results"]["paper"][strategy]]
+    ]
+    return table(["here / published, %", *LABELS.values()], rows)
 
 
 def answers(metrics: dict[str, Any]) -> str:
@@ -109,11 +103,9 @@ def recognised(metrics: dict[str, Any]) -> str:
     classes = len(set(kept.classes))
     return (
         f"Yes: five touches name an unseen bottle, car, chair or animal in {paper} of cases by the paper's pipeline and in "
-        f"{ours} by ours (`order_free`), where guessing gives {percent(1 / categories, 0)} "
-        f"({counted(own[0].objects, 'object')}). On {counted(len(kept.objects), 'object')} in {counted(classes, 'class')} the "
-        f"pipelines are right in {shares['none']} if objects stand upright and face one way, mostly by "
-        f"[where the arm is](studies/cues/README.md), not by what it feels; and in {shares['any']} if objects are turned in "
-        f"any way (guessing: {percent(1 / classes, 0)})."
+        f"{ours} by ours (`order_free`; guessing: {percent(1 / categories, 0)}; {counted(own[0].objects, 'object')}). Of "
+        f"{counted(len(kept.objects), 'object')} in {counted(classes, 'class')} they name {shares['none']} upright and facing "
+        f"one way, mostly by [where the arm is](studies/cues/README.md), and {shares['any']} turned in any way."
     )
 
 
@@ -125,13 +117,13 @@ def seeing(kept: KeptLeads) -> str:
     most = max(found.ahead, key=lambda lead: lead.difference.mean)
     least = min(found.behind, key=lambda lead: lead.difference.mean)
     helped = {lead.turns for lead in found.ahead}
-    poses = "if objects stand upright" if helped <= {"none", "vertical"} else "in some poses"
+    poses = "upright" if helped <= {"none", "vertical"} else "some"
     return (
-        f"It can, {poses}. Random places in sight and fixations were compared with random places in reach: of "
-        f"{counted(len(found.leads), 'comparison')} seeing led in {len(found.ahead)}, by up to "
-        f"{points(most.difference.mean)} points, and trailed in {len(found.behind)}, with objects "
-        f"{listed(sorted({POSES[lead.turns] for lead in found.behind}))}, by up to {points(least.difference.mean)}; for other "
-        f"classes it led in {len(drawn.ahead)} and trailed in {len(drawn.behind)}."
+        f"On {poses} objects it can: fixations or random places in sight led random places in reach in {len(found.ahead)} of "
+        f"{counted(len(found.leads), 'comparison')}, by up to {points(most.difference.mean)} points; on objects "
+        f"{listed(sorted({POSES[lead.turns] for lead in found.behind}))} they trailed in {len(found.behind)}, by up to "
+        f"{points(least.difference.mean)}. For other classes they led in {len(drawn.ahead)} and trailed in "
+        f"{len(drawn.behind)}."
     )
 
 
@@ -142,9 +134,8 @@ def salience(kept: KeptLeads) -> str:
         raise ValueError("the answer to `salience` is not no today: write its sentence again.")
     return (
         f"Not on objects of these classes: fixations led random places in sight in none of "
-        f"{counted(len(found.leads), 'comparison')} and trailed in {len(found.behind)}, and a lead above "
-        f"{percent_points(found.excluded)} points is excluded in each. For other classes leads up to "
-        f"{percent_points(drawn.excluded)} points remain possible."
+        f"{counted(len(found.leads), 'comparison')}, and a lead above {percent_points(found.excluded)} points is excluded. "
+        f"For other classes up to {percent_points(drawn.excluded)} points remain possible."
     )
 
 
@@ -159,8 +150,8 @@ def view_more() -> str:
     prices = CostParameters()
     seconds = prices.look_seconds + 5 * prices.touch_seconds
     return (
-        f"A view with five touches takes a robot {seconds:.1f} s, if a touch takes {prices.touch_seconds:.0f} s. A second view "
-        f"gains {points(gain['difference'])} points in our pipeline, and none is shown in the paper's "
+        f"A view with five touches takes a robot {seconds:.1f} s, if a touch takes {prices.touch_seconds:.0f} s; a second view "
+        f"gains {points(gain['difference'])} points in our pipeline, and in the paper's none is shown "
         f"([accuracy and time](docs/accuracy_and_time.md))."
     )
 
@@ -184,9 +175,9 @@ def first_touch() -> str:
         )
     return (
         f"On an upright object, where people are predicted to look: {points(gaze.difference.mean)} points over a random place "
-        f"in sight, in our pipeline ([first touch](studies/first_touch/README.md)). The lead comes from the gaze model's terms "
-        f"for place and shape, not from saliency; the highest visible place is not shown to be worse. With two touches no lead "
-        f"is shown."
+        f"in sight in our pipeline, by the model's terms for place and shape, not by saliency "
+        f"([first touch](studies/first_touch/README.md)). The highest visible place is not shown to be worse. With two touches "
+        f"no lead is shown."
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from filling import DOCS, fill_page, plain, save_picture, table, wrapped
+from filling import DOCS, fill_page, legend_beside, plain, resized, save_picture, table, wrapped
 from matplotlib.figure import Figure as Chart
 
 from turned.leads import KeptLead, KeptLeads, question_sentence, read_kept_leads
@@ -87,7 +87,7 @@ if __name__ == "__main__":
         and lead.turns != "vertical"
         and lead.name in OF_README
     ]
-    save_picture(figures.leads(main), PICTURES / "leads.png", 100)
+    save_picture(legend_beside(resized(figures.leads(main), 200, 820)), PICTURES / "leads.png")
     save_picture(figures.leads(kept.leads), PICTURES / "leads_by_frame.png", 150)
     for leads in kept.by_class():
         save_picture(

@@ -18,7 +18,6 @@ ROOT = Path(__file__).parents[2]
 README, SHARING, STUDIES = (
     ROOT / name for name in ("README.md", "docs/sharing.md", "studies/README.md")
 )
-ASK = "VISUOHAPTIC_ASKED={} snakemake --list-rules --quiet --workflow-profile none"
 # Three classes, so that one can be unknown, and two of them with a test object and two to train.
 OBJECTS = (
     "bs0_yogurtBottle", "bsby_beer_bottle", "sc_com_bath2_jabon_pijo",
@@ -43,7 +42,6 @@ SMALL = {
 
 IN_ANOTHER_FORM = {
     "make": ("snakemake --cores 2", "`make` makes .venv and then runs this"),
-    "make why": (ASK.format("why"), "`make` makes .venv and then runs this"),
     "snakemake -j2 variants_all": (
         "snakemake -n -- variants_all && snakemake -j2 -- results/variant/r017.json",
         "684 variants take minutes even here: what would run, and one of them",
@@ -133,12 +131,14 @@ def run_as_here(folder, command):
 
 
 OF_README = texts(*block_commands(README), *line_commands(README))
-FIRST_OF_DVC = OF_README.index("git add dvc.lock && git commit -m Results")
 # Within the lines of the page on studies, names stand for the reader's own.
 OF_STUDIES = texts(*block_commands(STUDIES))
 OF_SHARING = texts(*block_commands(SHARING), *line_commands(SHARING))
-BEFORE_DVC = list(dict.fromkeys([*OF_README[:FIRST_OF_DVC], *OF_STUDIES]))
-AFTER = dict.fromkeys([*OF_README[FIRST_OF_DVC:], *OF_SHARING])
+STORED = [command for command in OF_README if command.startswith(("git ", "dvc "))]
+BEFORE_DVC = list(
+    dict.fromkeys([*(command for command in OF_README if command not in STORED), *OF_STUDIES])
+)
+AFTER = dict.fromkeys([*STORED, *OF_SHARING])
 UNDER_DVC = [command for command in AFTER if command not in BEFORE_DVC]
 
 
