@@ -19,9 +19,11 @@ from PIL import Image, ImageDraw, ImageFont
 
 from classifier_settings.half import choosing_objects
 from learned.study import PIPELINES, STRATEGIES
-from visuohaptic.exploration.picture import draw_exploration
+from visuohaptic.exploration.picture import GAP, LABEL, VIEW_PIXELS, draw_exploration
+from visuohaptic.exploration.standing import join_cells
 from visuohaptic.geometry.surface import read_surface
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.pictures.taxels import imprint_images
 from visuohaptic.recognition.experiment import predict_splits
 from visuohaptic.recognition.parameters import ProtocolParameters, RecognitionParameters
 from visuohaptic.recognition.pipelines import pipeline_of
@@ -37,9 +39,11 @@ PARAMETERS = RecognitionParameters(
     protocol=ProtocolParameters(protocol="grouped_folds"),
 )
 COUNT = 10
-ACROSS = 2
-CELL_WIDTH = 440
-TITLE_PIXELS = 22
+ACROSS = 5
+CELL_PIXELS = 140
+IMPRINT_PIXELS = CELL_PIXELS // 5
+FONT_PIXELS = 11
+TITLE_PIXELS = 28
 PICTURE = Path(__file__).with_name("changed.png")
 
 
@@ -84,7 +88,7 @@ def draw_lots(
 
 
 def cells(shown: list[Changed], results: Path) -> Iterator[Image.Image]:
-    """Yield a picture of each view with its touches and imprints, under the object and both answers."""
+    """Yield a picture of each view with its touches, under the object and both answers, and above the imprints."""
     parameters = ExperimentParameters()
     for one in shown:
         views, touches = (
@@ -93,14 +97,19 @@ def cells(shown: list[Changed], results: Path) -> Iterator[Image.Image]:
         )
         touches = touches.filter(pc.field("strategy") == STRATEGIES[0])
         (mesh,) = (results / "meshes").rglob(f"{one.key}.ply")
-        surface = read_surface(mesh)
-        drawn = draw_exploration(surface, parameters, views, touches)
-        size = CELL_WIDTH, round(drawn.height * CELL_WIDTH / drawn.width)
-        cell = Image.new("RGB", (CELL_WIDTH, size[1] + TITLE_PIXELS), "white")
-        cell.paste(drawn.resize(size, Image.Resampling.LANCZOS), (0, TITLE_PIXELS))
-        words = f"{one.key}: {one.before}, then {one.after}"
-        font = ImageFont.load_default(14)
-        ImageDraw.Draw(cell).text((6, 4), words, fill="black", font=font)
+        drawn = draw_exploration(read_surface(mesh), parameters, views, touches)
+        top = GAP + LABEL
+        view = drawn.crop((GAP, top, GAP + VIEW_PIXELS, top + VIEW_PIXELS))
+        cell = Image.new("RGB", (CELL_PIXELS, TITLE_PIXELS + CELL_PIXELS + IMPRINT_PIXELS), "grey")
+        cell.paste("white", (0, 0, CELL_PIXELS, TITLE_PIXELS))
+        cell.paste(view.resize((CELL_PIXELS,) * 2, Image.Resampling.LANCZOS), (0, TITLE_PIXELS))
+        for number, imprint in enumerate(imprint_images(touches, parameters.sensor.taxels)):
+            grey = Image.fromarray(np.rint(255 * imprint).astype(np.uint8))
+            square = grey.resize((IMPRINT_PIXELS - 2,) * 2, Image.Resampling.NEAREST)
+            cell.paste(square, (number * IMPRINT_PIXELS + 1, TITLE_PIXELS + CELL_PIXELS + 1))
+        words = f"{one.key.split('/')[1]}\n{one.before}, then {one.after}"
+        font = ImageFont.load_default(FONT_PIXELS)
+        ImageDraw.Draw(cell).multiline_text((0, 0), words, fill="black", font=font)
         yield cell
 
 
@@ -113,16 +122,6 @@ def _rows(schema: Schema, results: Path, one: Changed) -> pa.Table:
     )
 
 
-def grid(drawn: list[Image.Image]) -> Image.Image:
-    """Arrange pictures in rows of `ACROSS`."""
-    height = max(cell.height for cell in drawn)
-    whole = Image.new("RGB", (ACROSS * CELL_WIDTH, -(-len(drawn) // ACROSS) * height), "white")
-    for number, cell in enumerate(drawn):
-        down, across = divmod(number, ACROSS)
-        whole.paste(cell, (across * CELL_WIDTH, down * height))
-    return whole.quantize(128, dither=Image.Dither.NONE)
-
-
 def main() -> None:
     """Classify all views by both pipelines, draw lots among the changed ones, and write the picture."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -132,7 +131,8 @@ def main() -> None:
     shown = draw_lots(*(named(features, pipeline) for pipeline in PIPELINES))
     drawn = [one._asdict() for one in shown]
     PICTURE.with_suffix(".json").write_text(json.dumps(drawn, indent=1) + "\n", encoding="utf-8")
-    grid([*cells(shown, arguments.results)]).save(PICTURE, optimize=True)
+    picture = join_cells([*cells(shown, arguments.results)], ACROSS)
+    picture.quantize(128, dither=Image.Dither.NONE).save(PICTURE, optimize=True)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import trimesh
+from PIL import Image
 
 from visuohaptic.exploration import standing
 from visuohaptic.exploration.standing import CELL_PIXELS, draw_standing, join_cells
@@ -84,3 +85,9 @@ def test_cells_are_arranged_in_a_square_in_their_order(block):
         assert picture.height // (cell.height + 8) == down
         last = np.asarray(picture)[-cell.height :, -cell.width - 16 :]
         assert (last == 255).all() == (count < across * down)
+
+
+def test_cells_are_arranged_in_rows_of_a_given_length():
+    cell = Image.new("RGB", (20, 10), "black")
+    assert join_cells([cell] * 10, 5).size == (5 * 28 + 8, 2 * 18 + 8)
+    assert join_cells([cell] * 4, 5).size == (5 * 28 + 8, 18 + 8)

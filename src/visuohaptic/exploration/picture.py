@@ -27,10 +27,11 @@ VIEW_PIXELS = 320
 IMPRINT_PIXELS = 84
 IMPRINTS_ACROSS = 3
 GAP = 8
+LABEL = 16
+"""Height of a line of text."""
 FIRST_TOUCHES = 9
 """Largest number of touches in the small picture of an exploration; `Exploration.picture` has all touches."""
 _BACK, _INK, _MARK, _SQUARE = (255, 255, 255), (30, 34, 40), (255, 214, 0), (0, 92, 200)
-_LABEL = 16
 
 
 def draw_exploration(
@@ -94,19 +95,19 @@ def _cell(title: str, view: Image.Image | None, touches: pa.Table, layout: Layou
     imprints = imprint_images(touches, layout)
     sizes = touches.column("sensor_size").to_pylist()
     states = touches.column("contact_state").to_pylist()
-    pitch = IMPRINT_PIXELS + _LABEL + GAP
+    pitch = IMPRINT_PIXELS + LABEL + GAP
     deep = math.ceil(len(imprints) / IMPRINTS_ACROSS) * pitch
     seen = (0, 0) if view is None else view.size
     width = seen[0] + IMPRINTS_ACROSS * (IMPRINT_PIXELS + GAP) + GAP
-    cell = Image.new("RGB", (width, _LABEL + max(seen[1], deep)), _BACK)
+    cell = Image.new("RGB", (width, LABEL + max(seen[1], deep)), _BACK)
     draw = ImageDraw.Draw(cell)
     draw.text((0, 0), title, fill=_INK, font=ImageFont.load_default(12))
     if view is not None:
-        cell.paste(view, (0, _LABEL))
+        cell.paste(view, (0, LABEL))
     for number, imprint in enumerate(imprints):
         down, across = divmod(number, IMPRINTS_ACROSS)
         left = seen[0] + GAP + across * (IMPRINT_PIXELS + GAP)
-        top = _LABEL + down * pitch
+        top = LABEL + down * pitch
         grey = Image.fromarray(np.rint(255.0 * imprint).astype(np.uint8)).convert("RGB")
         square = grey.resize((IMPRINT_PIXELS, IMPRINT_PIXELS), Image.Resampling.NEAREST)
         cell.paste(square, (left, top))
@@ -134,7 +135,7 @@ def _with_line(picture: Image.Image, line: str) -> Image.Image:
     """Return a picture with a line of text below, wide enough for both."""
     font = ImageFont.load_default(12)
     width = max(picture.width, math.ceil(font.getlength(line)) + 2 * GAP)
-    whole = Image.new("RGB", (width, picture.height + _LABEL + GAP), _BACK)
+    whole = Image.new("RGB", (width, picture.height + LABEL + GAP), _BACK)
     whole.paste(picture, (0, 0))
     ImageDraw.Draw(whole).text((GAP, picture.height), line, fill=_INK, font=font)
     return whole

@@ -73,9 +73,9 @@ def draw_standing(key: str, surface: Surface, parameters: ExperimentParameters) 
     return cell
 
 
-def join_cells(cells: list[Image.Image]) -> Image.Image:
-    """Arrange cells of `draw_standing` in a picture that is about as wide as high."""
-    across = math.ceil(math.sqrt(len(cells)))
+def join_cells(cells: list[Image.Image], across: int | None = None) -> Image.Image:
+    """Arrange pictures of one size in rows of `across`; by default the whole is about as wide as high."""
+    across = across or math.ceil(math.sqrt(len(cells)))
     width, height = cells[0].width + _GAP, cells[0].height + _GAP
     size = (across * width + _GAP, math.ceil(len(cells) / across) * height + _GAP)
     picture = Image.new("RGB", size, _BACK)
