@@ -14,6 +14,7 @@ from PIL import Image
 
 from visuohaptic.report.drawing import style
 from visuohaptic.report.estimates import Figure as Estimate
+from visuohaptic.report.leads import SIGNIFICANCE
 from visuohaptic.report.wording import listed
 from visuohaptic.studies.keeping import kept_file, read_figures, read_source
 
@@ -142,6 +143,12 @@ def difference(cell: Figures, *names: str) -> str:
         return ""
     tested = "".join(f", p {one:.2g}" for one in p_value)
     return f"{points(value)} ({points(low)} to {points(high)}){tested}"
+
+
+def lead_with_p(lead: float, p_value: float, adjusted: float) -> str:
+    """Write a lead in percentage points with its p value, bold if the p value `adjusted` for all leads is below 0.05."""
+    written = f"{points(lead)}, p {p_value:.2g}"
+    return f"**{written}**" if adjusted < SIGNIFICANCE else written
 
 
 def fill_page(page: Path, blocks: Mapping[str, str]) -> None:

@@ -16,9 +16,9 @@ from filling import (
     DOCS,
     SETS,
     Figures,
-    difference,
     fill_page,
     kept_figures,
+    lead_with_p,
     points,
     share,
     table,
@@ -34,6 +34,7 @@ KEPT = DOCS / "figures" / "out_of_reach"
 RANKS = DOCS / "figures" / "ranks.parquet"
 CONDITIONS = {"replace": "as run", "skip": "skip", "keep": "keep"}
 STRATEGIES = ("fixation", "random_visible")
+PIPELINES = ("paper", "order_free")
 FIXATIONS = 5
 
 
@@ -56,16 +57,25 @@ def shares_table(ranks: pa.Table) -> str:
 
 def accuracies_table(kept: Figures) -> str:
     """Set the accuracy by fixation and its lead over random places in sight, by treatment."""
-    rows = []
-    for treatment, condition in CONDITIONS.items():
-        cells = []
-        for pipeline in ("paper", "order_free"):
-            fixation, random = (
-                _cell(kept, pipeline, strategy, condition) for strategy in STRATEGIES
-            )
-            lead = difference(random, "lead", "lead_low", "lead_high", "lead_p")
-            cells += [share(fixation["accuracy"]), lead]
-        rows.append([f"`{treatment}`", *cells])
+    cells = {
+        (condition, pipeline): [
+            _cell(kept, pipeline, strategy, condition) for strategy in STRATEGIES
+        ]
+        for condition in CONDITIONS.values()
+        for pipeline in PIPELINES
+    }
+    adjusted = holm([random["lead_p"] for _, random in cells.values()])
+    written = {
+        key: [share(fixation["accuracy"]), lead_with_p(random["lead"], random["lead_p"], p_value)]
+        for (key, (fixation, random)), p_value in zip(cells.items(), adjusted, strict=True)
+    }
+    rows = [
+        [
+            f"`{treatment}`",
+            *(cell for pipeline in PIPELINES for cell in written[condition, pipeline]),
+        ]
+        for treatment, condition in CONDITIONS.items()
+    ]
     heads = ["paper's pipeline: fixation", "ahead of random in sight by"]
     heads += ["ours: fixation", "ahead of random in sight by"]
     return table(["out of reach", *heads], rows)
@@ -111,7 +121,7 @@ def blocks() -> dict[str, str]:
 
 def _changes(sets: Mapping[str, Figures]) -> Iterator[tuple[str, str, str, str, Figures]]:
     for name, kept in sets.items():
-        for pipeline in ("paper", "order_free"):
+        for pipeline in PIPELINES:
             for strategy in STRATEGIES:
                 for condition in ("skip", "keep"):
                     yield (

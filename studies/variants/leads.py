@@ -92,9 +92,13 @@ def count_after_holm(rows: Sequence[Row]) -> tuple[int, int]:
 
     The correction is for the number of `rows`. Column ``ahead`` of each row must hold a number.
     """
-    adjusted = holm([row["p_value"] or 1.0 for row in rows])
-    leads = [row["ahead"] for row, p in zip(rows, adjusted, strict=True) if p < SIGNIFICANT]
+    leads = [row["ahead"] for row, stands in zip(rows, after_holm(rows), strict=True) if stands]
     return sum(lead > SAME for lead in leads), sum(lead < -SAME for lead in leads)
+
+
+def after_holm(rows: Sequence[Row]) -> list[bool]:
+    """Return whether the lead of each row of `VARIANTS` has p below `SIGNIFICANT` after Holm's correction for all `rows`."""
+    return [p < SIGNIFICANT for p in holm([row["p_value"] or 1.0 for row in rows])]
 
 
 def _by_option(choice: Choice, rows: Sequence[Row]) -> Iterator[tuple[str, list[Row]]]:

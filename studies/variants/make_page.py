@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
+from itertools import compress
 from pathlib import Path
 
-from filling import fill_page, points, resized, save_picture, share, table, wrapped
+from filling import fill_page, lead_with_p, points, resized, save_picture, share, table, wrapped
 from matplotlib.figure import Figure
 
 from variants.choices import BEST_OF_PAPER, BY_NAME, OPPONENTS
 from variants.design import is_default, is_literal
 from variants.kept import OUTSIDE, PAPER_SET, kept_variants
-from variants.leads import MAIN_OPPONENT, count_after_holm, strongest_pair, sum_up
+from variants.leads import (
+    MAIN_OPPONENT,
+    after_holm,
+    count_after_holm,
+    strongest_pair,
+    sum_up,
+)
 from variants.verdicts import lead_evidence, of_papers_question, verdict
 from variants.weighing import summarise_variants
+from visuohaptic.evaluation.intervals import holm
 from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.report.drawing import COLOURS, look, new_chart, style
 from visuohaptic.report.figures import as_points, label_axes, whole_percent
@@ -32,9 +40,10 @@ OPPONENT_WORDS = {
 def spread_table(tables: Mapping[str, list[Row]]) -> str:
     """Write the table of the leads of all variants with the SVM: one row per set and kind of random touches."""
     lines = []
+    written = _main_leads(tables)
     for option in OPPONENTS:
         word = verdict(lead_evidence(tables, BEST_OF_PAPER, option))
-        for rows in tables.values():
+        for name, rows in tables.items():
             run = of_papers_question(rows, BEST_OF_PAPER, option)
             if not run:
                 continue
@@ -43,8 +52,8 @@ def spread_table(tables: Mapping[str, list[Row]]) -> str:
                 [
                     max(row["objects"] for row in run),
                     OPPONENT_WORDS[option],
-                    _lead(run, is_default),
-                    _lead(run, is_literal),
+                    written.get((option, name, "default"), ""),
+                    written.get((option, name, "literal"), ""),
                     f"{lead.ahead_singly}, {lead.behind_singly} of {len(run)}",
                     "{}, {}".format(*count_after_holm(run)),
                     word,
@@ -88,7 +97,10 @@ def reached_sentence(tables: Mapping[str, list[Row]]) -> str:
 
 
 def draw(tables: Mapping[str, list[Row]]) -> Figure:
-    """Draw the leads of all variants over random places in reach with the SVM, smallest first, one line per set."""
+    """Draw the leads of all variants over random places in reach with the SVM, smallest first, one line per set.
+
+    Dots are leads with p below 0.05 after Holm's correction for all leads of the set.
+    """
     with style():
         chart, axes = new_chart(250)
         for place, rows in enumerate(tables.values()):
@@ -99,9 +111,14 @@ def draw(tables: Mapping[str, list[Row]]) -> Figure:
             colour, mark = look(place)
             leads = [row["ahead"] for row in run]
             label = f"{max(row['objects'] for row in run)} objects, {len(run)} variants"
-            axes.plot(share_below, leads, color=colour, label=label)
-            low, high = ([row[f"ahead_{end}"] for row in run] for end in ("low", "high"))
-            axes.fill_between(share_below, low, high, color=colour, alpha=0.12, linewidth=0)
+            axes.plot(share_below, leads, color=colour, linewidth=1)
+            stands = after_holm(run)
+            label += f"; {sum(stands)} stand after Holm (dots)"
+            dots = [[*compress(values, stands)] for values in (share_below, leads)]
+            axes.plot(
+                *dots, "o", color=colour, markersize=5, markeredgecolor="white", markeredgewidth=0.4
+            )
+            axes.plot([], [], "o-", color=colour, label=label)
             for index, row in enumerate(run):
                 is_shown = is_default(row), is_literal({**row, "random_probing": "walk"})
                 if any(is_shown):
@@ -120,13 +137,22 @@ def draw(tables: Mapping[str, list[Row]]) -> Figure:
     return resized(named, 320)
 
 
-def _lead(rows: Sequence[Row], is_wanted: Callable[[Row], bool]) -> str:
-    opponent = "walk" if is_wanted is is_literal else "reachable"
-    wanted = [row for row in rows if is_wanted(dict(row) | {"random_probing": opponent})]
-    if len(wanted) != 1:
-        return ""
-    (row,) = wanted
-    return f"{points(row['ahead'])} ({points(row['ahead_low'])} to {points(row['ahead_high'])})"
+def _main_leads(tables: Mapping[str, list[Row]]) -> dict[tuple[str, str, str], str]:
+    """Write the leads of the default and the most literal variant, by random touches, set of objects and variant.
+
+    Leads whose p value is below 0.05 after Holm's correction for all these leads are bold.
+    """
+    found = [
+        (option, one)
+        for option in OPPONENTS
+        for one in lead_evidence(tables, BEST_OF_PAPER, option)
+        if one.variant != "other"
+    ]
+    adjusted = holm([one.p_value for _, one in found])
+    return {
+        (option, one.objects, one.variant): lead_with_p(one.difference, one.p_value, p)
+        for (option, one), p in zip(found, adjusted, strict=True)
+    }
 
 
 def tables_of_sets() -> dict[str, list[Row]]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Literal
 
 from pydantic import BaseModel, ConfigDict
 
@@ -13,8 +12,6 @@ from visuohaptic.report.estimates import read_json
 from visuohaptic.report.wording import classifier_name, listed, percent, probability
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
 from visuohaptic.studies.keeping import Source
-
-Verdict = Literal["yes", "no", "depends", "not shown"]
 
 SUMMARY = "reports/variants.json"
 """The file that a run of the study writes."""
@@ -37,24 +34,6 @@ class Spread(BaseModel):
     behind_holm: int
 
 
-class Lead(BaseModel):
-    """The lead of fixations over random touches in one variant, as a share, with its interval over objects.
-
-    `opponent` is ``reachable`` for random touches anywhere in reach, and ``visible`` for random touches on the side
-    that the eye sees. `date` is the day of kept figures, such as 2026-11-27; None for figures of this run.
-    """
-
-    model_config = ConfigDict(frozen=True)
-
-    objects: int
-    variant: Literal["default", "literal"]
-    opponent: Literal["reachable", "visible"]
-    difference: float
-    low: float
-    high: float
-    date: str | None = None
-
-
 class Changed(BaseModel):
     """A choice for which the rule of the default chooses another option on later tables, in words."""
 
@@ -70,12 +49,8 @@ class VariantsSummary(BaseModel):
 
     Attributes
     ----------
-    verdict : {"yes", "no", "depends", "not shown"}
-        Whether fixation leads, by the rule in studies/variants/verdicts.py.
     spread : tuple of Spread
         Numbers of variants, by set of objects.
-    leads : tuple of Lead
-        Leads in the default and in the most literal variant.
     sentences : tuple of str
         Sentences for the page.
     literal : dict
@@ -88,9 +63,7 @@ class VariantsSummary(BaseModel):
 
     model_config = ConfigDict(frozen=True)
 
-    verdict: Verdict
     spread: tuple[Spread, ...] = ()
-    leads: tuple[Lead, ...] = ()
     sentences: tuple[str, ...] = ()
     literal: dict[str, dict[str, float]] = {}
     changed: tuple[Changed, ...] = ()

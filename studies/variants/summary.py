@@ -1,4 +1,4 @@
-"""Summarise all variants for the report: the verdict, counts and sentences."""
+"""Summarise all variants for the report: counts and sentences."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ import json
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 from variants.choices import BEST_OF_PAPER, BY_NAME
 from variants.design import is_literal
 from variants.kept import OUTSIDE, PAPER_SET, MeasuredVariants, kept_variants
 from variants.leads import count_after_holm, sum_up
 from variants.page import variants_sentences
-from variants.result import Changed, Lead, Spread, VariantsSummary
-from variants.verdicts import lead_evidence, of_papers_question, verdict
+from variants.result import Changed, Spread, VariantsSummary
+from variants.verdicts import of_papers_question
 from variants.weighing import summarise_variants, variant_figures
 from visuohaptic.studies.figures import Row, write_json
 from visuohaptic.studies.keeping import write_measured
@@ -42,12 +42,9 @@ def kept_summary() -> VariantsSummary:
 
 def summarise(measured: MeasuredVariants, outside: MeasuredVariants | None) -> VariantsSummary:
     """Return the summary of the variants on the paper's set, `measured`, and on objects outside of it."""
-    sets = {"paper": measured, **({"outside": outside} if outside else {})}
-    tables = {name: of_set.rows for name, of_set in sets.items()}
+    tables = [of_set.rows for of_set in (measured, outside) if of_set]
     return VariantsSummary(
-        verdict=verdict(lead_evidence(tables, BEST_OF_PAPER)),
-        spread=tuple(spread for rows in tables.values() for spread in _spread(rows)),
-        leads=tuple(lead for of_set in sets.values() for lead in _main_leads(of_set)),
+        spread=tuple(spread for rows in tables for spread in _spread(rows)),
         sentences=tuple(variants_sentences(measured, outside, BEST_OF_PAPER)),
         literal=_literal(measured.rows),
         changed=_changed(json.loads(CHOSEN_AGAIN.read_text(encoding="utf-8"))),
@@ -70,25 +67,6 @@ def _spread(rows: Sequence[Row]) -> list[Spread]:
             ahead_holm=ahead,
             behind_holm=behind,
         )
-    ]
-
-
-def _main_leads(measured: MeasuredVariants) -> list[Lead]:
-    """Return the leads of the default and of the most literal variant."""
-    objects = max((row["objects"] or 0 for row in measured.rows), default=0)
-    return [
-        Lead(
-            objects=objects,
-            variant=evidence.variant,
-            opponent=opponent,
-            difference=evidence.difference,
-            low=evidence.low,
-            high=evidence.high,
-            date=measured.source.date if measured.source else None,
-        )
-        for opponent in get_args(Lead.model_fields["opponent"].annotation)
-        for evidence in lead_evidence({"": measured.rows}, BEST_OF_PAPER, opponent)
-        if evidence.variant != "other"
     ]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from variants.choices import BY_NAME
-from visuohaptic.tables.schema import TEXT, Column, Schema, count, difference, names_of, share
+from visuohaptic.tables.schema import REAL, TEXT, Column, Schema, count, names_of, share
 from visuohaptic.tables.studies import ERROR, SECONDS
 
 VARIANT_KEYS = (
@@ -34,7 +34,15 @@ VARIANTS = Schema(
                 ("_splits_reaching", "share of splits at or above the paper's figure, touches"),
             )
         ),
-        *difference("ahead", "fixation less random, by option random_probing"),
+        Column(
+            "ahead",
+            REAL,
+            "fixation less random, by option random_probing",
+            "1",
+            -1,
+            1,
+            nullable=True,
+        ),
         share("p_value", "two-sided, sign changes over objects", nullable=True),
         count("objects", "objects tested", 1, nullable=True),
         count("splits", "splits", 1, nullable=True),

@@ -32,7 +32,6 @@ from visuohaptic.studies.figures import (
     cells_of,
     compare,
     condition_interval,
-    paired,
     rows_by,
 )
 from visuohaptic.tables.schema import build_rows, matrix, read_table
@@ -130,7 +129,9 @@ def _figures(
         "splits": len(splits[keys["fixation"]]),
         "seconds": (fixation.seconds or 0.0) + (random.seconds or 0.0),
     }
-    return row | paired("ahead", "p_value", compare(fixation, random, intervals))
+    if (compared := compare(fixation, random, intervals)) is not None:
+        row |= {"ahead": compared.difference.mean, "p_value": compared.p_value}
+    return row
 
 
 def summarise_variants(rows: Sequence[Row]) -> dict[str, Any]:

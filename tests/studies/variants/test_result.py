@@ -20,7 +20,6 @@ from variants.section import kept_sentences, variants_values
 from visuohaptic.base.errors import ReportError
 
 MADE = VariantsSummary(
-    verdict="no",
     spread=(Spread(objects=12, variants=9, ahead=1, behind=4, ahead_holm=0, behind_holm=2),),
     sentences=("Nine variants.",),
 )
@@ -41,7 +40,7 @@ def test_a_runs_own_variants_take_the_place_of_those_that_are_kept(tmp_path):
     assert list(kept_sentences(context(path))) == []
 
 
-@pytest.mark.parametrize("text", ["{", "[]", '{"report": {"verdict": "perhaps"}}'])
+@pytest.mark.parametrize("text", ["{", "[]", '{"report": {"spread": "wide"}}'])
 def test_a_file_without_a_summary_is_refused_with_the_command_that_makes_one(tmp_path, text):
     path = tmp_path / "variants.json"
     path.write_text(text)
@@ -49,8 +48,8 @@ def test_a_file_without_a_summary_is_refused_with_the_command_that_makes_one(tmp
         read_summary(path)
 
 
-def variants(verdict="not shown", **spread):
-    return VariantsSummary(verdict=verdict, spread=(Spread(**spread),) if spread else ())
+def variants(**spread):
+    return VariantsSummary(spread=(Spread(**spread),) if spread else ())
 
 
 def test_the_variants_are_counted_by_set():
@@ -71,10 +70,10 @@ def test_the_variants_are_counted_by_set():
 def test_the_papers_pipeline_is_called_a_variant():
     changed = Changed(choice="channels of attention", default="five named", today="eight equal")
     literal = {"fixation": {SVM: 0.478}}
-    kept = VariantsSummary(verdict="no", literal=literal, changed=(changed,))
+    kept = VariantsSummary(literal=literal, changed=(changed,))
     assert plain(papers_pipeline_sentences(kept)).endswith(
         "not the touches. Applied to later tables, the rule chooses other channels of attention: eight equal in place of "
         "five named; the default stays. The most literal variant classifies 47.8 % of the sequences by fixation correctly "
         "(support vector machine, the paper's set)."
     )
-    assert papers_pipeline_sentences(VariantsSummary(verdict="no")).endswith("not the touches.")
+    assert papers_pipeline_sentences(VariantsSummary()).endswith("not the touches.")
