@@ -15,7 +15,7 @@ from PIL import Image
 from visuohaptic.report.drawing import style
 from visuohaptic.report.estimates import Figure as Estimate
 from visuohaptic.report.leads import SIGNIFICANCE
-from visuohaptic.report.wording import listed
+from visuohaptic.report.wording import listed, probability
 from visuohaptic.studies.keeping import kept_file, read_figures, read_source
 
 if TYPE_CHECKING:
@@ -147,7 +147,7 @@ def difference(cell: Figures, *names: str) -> str:
 
 def lead_with_p(lead: float, p_value: float, adjusted: float) -> str:
     """Write a lead in percentage points with its p value, bold if the p value `adjusted` for all leads is below 0.05."""
-    written = f"{points(lead)}, p {p_value:.2g}"
+    written = f"{points(lead)}, p {probability(p_value)}"
     return f"**{written}**" if adjusted < SIGNIFICANCE else written
 
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import islice
 from pathlib import Path
 
 from filling import (
     Figures,
-    difference,
     figures_of_study,
     fill_from_figures,
+    lead_with_p,
     measured,
     points,
     resized,
@@ -21,7 +22,9 @@ from matplotlib.figure import Figure
 
 from eye_and_touch.section import draw_times
 from eye_and_touch.study import CHECKED, LOOK, PRODUCT, STOPPING, TOUCH
+from visuohaptic.evaluation.intervals import holm
 from visuohaptic.report.drawing import COLOURS, style
+from visuohaptic.report.leads import SIGNIFICANCE
 
 HERE = Path(__file__).parent
 PAGE = HERE / "README.md"
@@ -32,7 +35,8 @@ ANSWERS = {
     PRODUCT: "both",
     CHECKED: "both, checked",
 }
-GAIN = ("difference", "low", "high")
+GAINS = (TOUCH, CHECKED)
+"""Answers of the table whose gain is shown: touch over the look, and both checked over the better sense."""
 ONLY_TOUCH = "random_visible"
 """The strategy of touch only in the picture."""
 
@@ -40,37 +44,50 @@ ONLY_TOUCH = "random_visible"
 def sight_table(figures: Figures) -> str:
     """Write the accuracy of each answer, and the gains of touch and of both senses, by sight."""
     heads = ["sight", *ANSWERS.values(), "touch minus look", "checked minus better"]
+    gains = [row["gains"][answer] for row in figures["sights"] for answer in GAINS]
+    written = iter(
+        [
+            lead_with_p(gain["difference"], gain["p_value"], p_value)
+            for gain, p_value in zip(gains, adjusted(gains), strict=True)
+        ]
+    )
     rows = [
         [
             row["sight"],
             *(share(row["answers"][answer]["accuracy"]) for answer in ANSWERS),
-            difference(row["gains"][TOUCH], *GAIN),
-            difference(row["gains"][CHECKED], *GAIN),
+            *islice(written, len(GAINS)),
         ]
         for row in figures["sights"]
     ]
     return table(heads, rows)
 
 
+def adjusted(gains: Sequence[Figures]) -> list[float]:
+    """Return the p values of gains with Holm's correction for all of them."""
+    return holm([gain["p_value"] for gain in gains])
+
+
 def rule_sentence(figures: Figures) -> str:
     """Write the gain of the stopping rule over fixed numbers of touches, over all strategies."""
+    stopped = [row for row in figures["budgets"] if row["answer"] == STOPPING]
+    corrected = adjusted([row["gain"] for row in stopped])
     parts = []
     for budget in figures["prices"]["budgets"]:
         rows = [
-            row
-            for row in figures["budgets"]
-            if (row["answer"], row["budget"]) == (STOPPING, budget)
+            (row, p_value)
+            for row, p_value in zip(stopped, corrected, strict=True)
+            if row["budget"] == budget
         ]
-        gains = [row["gain"]["difference"] for row in rows]
-        shown = sum(row["gain"]["low"] > 0 for row in rows)
-        longest = max(row["seconds"] for row in rows)
+        gains = [row["gain"]["difference"] for row, _ in rows]
+        shown = sum(p < SIGNIFICANCE and row["gain"]["difference"] > 0 for row, p in rows)
+        longest = max(row["seconds"] for row, _ in rows)
         parts.append(
-            f"{points(min(gains))} to {points(max(gains))} points at {budget:g} s (above 0 for {shown} of {len(rows)} "
+            f"{points(min(gains))} to {points(max(gains))} points at {budget:g} s (shown for {shown} of {len(rows)} "
             f"strategies; {longest:.1f} s at most)"
         )
     return (
         f"The stopping rule gains, over fixed numbers of touches that take as long: {'; '.join(parts)} "
-        f"({figures['objects']} objects)."
+        f"({figures['objects']} objects, shown after Holm's correction)."
     )
 
 
