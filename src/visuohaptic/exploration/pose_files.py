@@ -63,8 +63,6 @@ def read_poses(path: str | Path) -> FloatArray:
         If a column is missing, a row holds no numbers or no direction, or there are more than a
         million poses.
     """
-    from scipy.spatial.transform import Rotation
-
     table = _read_table(path)
     is_quaternion = set(QUATERNION) <= set(table.names)
     axes = QUATERNION if is_quaternion else NORMAL
@@ -79,6 +77,8 @@ def read_poses(path: str | Path) -> FloatArray:
     if not is_quaternion:
         roll = _numbers(table, (ROLL,))[:, 0] if ROLL in table.names else 0.0
         return matrices(turned(make_poses(positions, directions), roll))
+    from scipy.spatial.transform import Rotation
+
     poses = np.tile(np.eye(4), (len(positions), 1, 1))
     poses[:, :3, :3] = Rotation.from_quat(directions, scalar_first=True).as_matrix()
     poses[:, :3, 3] = positions
