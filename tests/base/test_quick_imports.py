@@ -40,3 +40,12 @@ def test_after_an_error_all_is_as_before():
         raise ZeroDivisionError
     assert gc.isenabled()
     assert sys.meta_path == finders
+
+
+def test_a_block_inside_another_leaves_the_end_to_the_outer_one():
+    with quick_imports():
+        finders = [*sys.meta_path]
+        with quick_imports():
+            pass
+        assert (gc.isenabled(), sys.meta_path) == (False, finders)
+    assert gc.isenabled()

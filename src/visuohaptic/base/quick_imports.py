@@ -10,15 +10,15 @@ from contextlib import contextmanager
 
 @contextmanager
 def quick_imports() -> Iterator[None]:
-    """Import in the block between `begin_imports` and `end_imports`; a collector that is off stays off."""
-    is_collecting = gc.isenabled()
+    """Import in the block between `begin_imports` and `end_imports`; where the collector is off, nothing is changed."""
+    if not gc.isenabled():  # such as in another block
+        yield
+        return
     begin_imports()
     try:
         yield
     finally:
         end_imports()
-        if not is_collecting:
-            gc.disable()
 
 
 def begin_imports() -> None:

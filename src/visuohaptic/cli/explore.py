@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import warnings
 from collections import Counter
 from collections.abc import Callable, Mapping
@@ -180,7 +181,9 @@ def recognise(
     Example: visuohaptic recognise mug.obj --model results/models/recogniser.skops
     """
     chosen_model = model or default_model()
-    recogniser = read_recogniser(chosen_model)
+    with quick_imports():
+        recogniser = read_recogniser(chosen_model)
+        gc.freeze()  # as `main.run` does
     if strategy is None:
         strategy = recogniser.model.strategies[0]
     else:

@@ -33,7 +33,10 @@ def run(arguments: list[str]) -> None:
         arguments.remove(DEBUG)
     with quick_imports():
         from visuohaptic.cli.commands import app
-    from visuohaptic.cli.printing import say_error
+        from visuohaptic.cli.printing import say_error
+
+        # Later collections do not look through the imported modules.
+        gc.freeze()
 
     try:
         try:
