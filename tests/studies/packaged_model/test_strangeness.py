@@ -1,0 +1,75 @@
+"""The scores of unknown objects, and the rule that takes one in."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from packaged_model import strangeness
+from packaged_model.strangeness import TODAY, Touched, areas, choose, score, unknown
+from visuohaptic.meshes.catalogue import TEST_CLASSES
+
+VIEWS, OBJECTS = 4, 10
+
+
+def touched(names, centres, spread=0.3):
+    """Return views of `OBJECTS` objects of each class around the centre of the class."""
+    generator = np.random.default_rng(0)
+    classes = np.repeat(names, OBJECTS)
+    middles = np.repeat(centres, OBJECTS, axis=0) + generator.normal(0, spread, (len(classes), 8))
+    owners = np.repeat(np.arange(len(classes)), VIEWS)
+    rows = middles[owners] + generator.normal(0, 0.1, (len(owners), 8))
+    return Touched(rows, owners, classes)
+
+
+@pytest.fixture(scope="module")
+def known():
+    return touched(["a", "b", "c", "d", "e"], 3 * np.eye(8)[:5])
+
+
+def test_every_score_is_higher_between_and_far_from_the_known_classes(known):
+    asked = touched(["a", "b", "far"], np.vstack([3 * np.eye(8)[:2], [-9.0] * 8]))
+    objects = np.arange(len(known.classes))
+    scores = score(known.of(objects[objects % 2 == 0]), asked)
+    assert [*scores.index] == [*range(30)]
+    is_far = asked.classes == "far"
+    distances = [TODAY, "nearest class", "nearest object, discriminant's space"]
+    for name in distances:
+        assert scores[name][is_far].min() > scores[name][~is_far].max()
+    assert np.isfinite(scores.to_numpy()).all()
+
+
+def test_scores_of_an_object_do_not_depend_on_who_else_is_asked(known):
+    objects = np.arange(len(known.classes))
+    train, few, more = known.of(objects[::2]), known.of(objects[1:6:2]), known.of(objects[1::2])
+    first, second = score(train, few), score(train, more)
+    pd.testing.assert_frame_equal(first, second.loc[first.index])
+
+
+def test_no_object_of_a_test_class_counts_in_the_choice(known, monkeypatch):
+    monkeypatch.setattr(strangeness, "FOLDS", 2)
+    names = [*np.unique(known.classes), TEST_CLASSES[0]]
+    centres = np.vstack([3 * np.eye(8)[:5], [9.0] * 8])
+    both = touched(names, centres)
+    is_of_test = both.classes[both.owners] == names[-1]
+    other = Touched(both.rows + is_of_test[:, None], both.owners, both.classes)
+    pd.testing.assert_frame_equal(areas(both), areas(other))
+    assert [*areas(both).index] == names[:-1]
+
+
+def test_the_rule_takes_the_largest_mean_area():
+    by_class = pd.DataFrame({TODAY: np.full(20, 0.6), "near": np.full(20, 0.7), "far": 0.8})
+    by_class.loc[0, "near"] = 0.0
+    best, gain = choose(by_class)
+    assert best == "far"
+    assert gain["gain"] == pytest.approx(0.2)
+    assert gain["p_value"] < 0.05
+
+
+def test_known_objects_are_called_unknown_once_and_strange_ones_by_each_model(known, monkeypatch):
+    monkeypatch.setattr(strangeness, "FOLDS", 2)
+    monkeypatch.setattr(strangeness, "INNER_FOLDS", 3)
+    names = [*np.unique(known.classes), TEST_CLASSES[0]]
+    found = unknown(touched(names, np.vstack([3 * np.eye(8)[:5], [-9.0] * 8])), [TODAY])
+    assert found.groupby("strange").size().to_dict() == {False: 50, True: 20}
+    assert found.loc[found["strange"], TODAY].all()
+    assert found.loc[~found["strange"], TODAY].mean() < 0.3
