@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from filling import fill_page, plain, save_picture, share, table, wrapped
+from filling import fill_page, plain, resized, save_picture, share, table, wrapped
 from matplotlib.figure import Figure
 
 from classifier_settings.half import choosing_objects
@@ -215,9 +215,7 @@ def sure_sentence(answers: pd.DataFrame) -> str:
             f"{100 * one.low:.1f} to {100 * one.high:.1f}" for one in (over_objects, over_classes)
         )
         size = own["candidates"].map(len).mean()
-        said.append(
-            f"{share(over_objects.mean)} ({ends}) by `{name}`, with {size:.1f} classes on average"
-        )
+        said.append(f"{share(over_objects.mean)} ({ends}) by `{name}`, with {size:.1f} classes")
     right = known.assign(right=(known["named"] == known["class"]).astype(np.float64))
     named = [
         f"{gain_of_models(right, column)} from {words}"
@@ -225,10 +223,9 @@ def sure_sentence(answers: pd.DataFrame) -> str:
     ]
     return (
         f"**Set `all`:** models of both pipelines answered for {known['object'].nunique()} objects of "
-        f"{known['class'].nunique()} classes that they did not learn "
-        f"([packaged_model](../packaged_model/README.md); fixation, centre and vertical known). `order_free` → `learned` names "
-        f"right: {'; '.join(named)}. Prediction sets of 90 % hold the class of {', and of '.join(said)} "
-        f"(95 % intervals for new objects; new classes)."
+        f"{known['class'].nunique()} classes that they did not learn ([packaged_model](../packaged_model/README.md); fixation, "
+        f"vertical known). They name right: {'; '.join(named)}. Sets of 90 % hold the class of {', and of '.join(said)}. "
+        f"In brackets: new objects; new classes."
     )
 
 
@@ -251,7 +248,8 @@ def draw(gains: Gains) -> Figure:
         leads = [lead(gains.compared[frame, most, strategy]) for frame in frames]
         wider = [of_new_classes(one) for one in leads]
         series.append(Series(strategy_name(strategy), strategy_place(strategy), leads, None, wider))
-    return draw_leads([KNOWN[frame] for frame in frames], "known part of the pose", series)
+    rows = [KNOWN[frame] for frame in frames]
+    return resized(draw_leads(rows, "known part of the pose", series), 315)
 
 
 def accuracies(
