@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +19,7 @@ from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.estimates import estimate, with_interval
 from visuohaptic.report.figures import Series, draw_leads
+from visuohaptic.report.wording import listed
 
 PAGE = Path(__file__).parent / "README.md"
 PICTURE = PAGE.with_name("first_touch.png")
@@ -28,6 +29,8 @@ DRAWN = (
     *("gaze_channels", "gaze_view", "gaze_place", "gaze_shape"),
 )
 """Ways to choose the first touch in the picture."""
+SINGLE = {name: f"fixations by channel {name} only" for name in CHANNELS}
+"""Fixations by single channels of saliency in words."""
 SHOWN = (1, 5)
 """Numbers of touches in the table of leads; p values are corrected for all `TOUCHES`."""
 RIVALS = ("random_visible", *RULES)
@@ -64,7 +67,9 @@ def blocks() -> dict[str, str]:
         "parts": wrapped(part_sentence(many)),
         "turned": wrapped(turned_sentence(leads)),
         "leads": lead_table(leads),
-        "few": wrapped(few_sentence(few), "  "),
+        "few": "\n".join(
+            wrapped(text, "  ") for text in (few_sentence(few), *missing_sentences(many, few))
+        ),
     }
 
 
@@ -113,7 +118,10 @@ def lead_table(leads: Leads) -> str:
 
 def turned_sentence(leads: Leads) -> str:
     """Return the leads over random places in sight on turned objects, and how many of all `leads` over them stand."""
-    about, any_way = (leads[Place(turns=turns), "random_visible"] for turns in TURNS)
+    about, any_way = (
+        estimate(leads[Place(turns=turns), "random_visible"].difference_new_classes)
+        for turns in TURNS
+    )
     turned = [
         found
         for (place, rival), found in leads.items()
@@ -126,10 +134,9 @@ def turned_sentence(leads: Leads) -> str:
     ]
     ahead = sum(found.difference.mean > 0 for found in stand)
     return (
-        f"On turned objects the lead with one touch is {_both(about)} about the vertical and {_both(any_way)} in any way, in our "
-        f"pipeline with the whole pose known. Of all {len(turned)} leads over random places in sight on turned objects (by "
-        f"numbers of touches, pipelines and known parts of the pose) {ahead} stands ahead after Holm's correction, and "
-        f"{len(stand) - ahead} behind."
+        f"On turned objects the lead is, for new classes, {with_interval(about, points)} about the vertical and "
+        f"{with_interval(any_way, points)} in any way. Of {len(turned)} leads over random places in sight there {ahead} "
+        f"stands ahead after Holm's correction, and {len(stand) - ahead} behind."
     )
 
 
@@ -138,16 +145,25 @@ def few_sentence(rows: pd.DataFrame) -> str:
     leads = human_leads(rows).values()
     (objects,) = {one.objects for one in leads}
     stand = sum(p < LEVEL for p in holm([found.p_value for found in leads]))
-    return (
-        f"- On the paper's {objects} objects, upright and turned, {stand} of {len(leads)} leads over these places and the "
-        f"nearest to the line of sight stand after Holm's correction."
-    )
+    return f"- On the paper's {objects} objects, upright and turned, {stand} of {len(leads)} such leads stand after correction."
+
+
+def missing_sentences(many: pd.DataFrame, few: pd.DataFrame) -> Iterator[str]:
+    """Yield a sentence on the channels that were measured on few objects only, if there are any."""
+    channels = [
+        name
+        for name in CHANNELS
+        if measured(few, "fixation", Place(looking=name))
+        and not measured(many, "fixation", Place(looking=name))
+    ]
+    if channels:
+        yield f"- Single channels {listed(channels)} were measured on these objects only."
 
 
 def first_touch_leads(rows: pd.DataFrame) -> dict[tuple[str, str], PairedComparison]:
     """Compute the lead over random places in sight at the first touch, by pipeline and way to choose the place."""
     looks = [(label, strategy, "default") for strategy, label in LABELS.items()]
-    looks += [(f"fixations by channel {name} only", "fixation", name) for name in CHANNELS]
+    looks += [(label, "fixation", name) for name, label in SINGLE.items()]
     return {
         (pipeline, label): _over_sight(rows, strategy, Place(pipeline, looking=looking))
         for label, strategy, looking in looks
@@ -158,24 +174,34 @@ def first_touch_leads(rows: pd.DataFrame) -> dict[tuple[str, str], PairedCompari
 
 
 def part_sentence(rows: pd.DataFrame) -> str:
-    """Return the ways of the picture that are ahead of random places in sight, with p values corrected for all ways."""
+    """Return the ways of the picture that are ahead of random places in sight, and what single channels lead by.
+
+    P values are corrected for all ways.
+    """
     leads = first_touch_leads(rows)
-    adjusted = dict(zip(leads, holm([one.p_value for one in leads.values()]), strict=True))
-    drawn = {LABELS[name] for name in DRAWN}
-    said = []
+    adjusted = holm([one.p_value for one in leads.values()])
+    sides = {
+        key: int(np.sign(one.difference.mean)) if p < LEVEL else 0
+        for (key, one), p in zip(leads.items(), adjusted, strict=True)
+    }
+    ahead, channels = [], []
     for pipeline, words in PIPELINES.items():
-        ahead = [
-            label
-            for (name, label), one in leads.items()
-            if name == pipeline
-            and label in drawn
-            and adjusted[name, label] < LEVEL
-            and one.difference.mean > 0
+        drawn = [
+            LABELS[name].replace("predicted gaze", "gaze")
+            for name in DRAWN
+            if sides[pipeline, LABELS[name]] > 0
         ]
-        said.append(f"in {words} {', '.join(ahead)}")
+        ahead.append(f"in {words} {', '.join(drawn)}")
+        single = [(pipeline, label) for label in SINGLE.values() if (pipeline, label) in leads]
+        means = [leads[key].difference.mean for key in single]
+        found = [sides[key] for key in single]
+        channels.append(
+            f"{points(min(means))} to {points(max(means))} points in {words} ({found.count(1)} of {len(found)} ahead, "
+            f"{found.count(-1)} behind)"
+        )
     return (
-        f"After Holm's correction for all {len(leads)} leads at the first touch, ahead of random places in sight are "
-        f"{'; '.join(said)}."
+        f"After Holm's correction for all {len(leads)} leads over random places in sight, ahead are {'; '.join(ahead)}. "
+        f"Single channels of saliency lead by {' and '.join(channels)}."
     )
 
 
@@ -189,7 +215,7 @@ def draw(rows: pd.DataFrame) -> Figure:
     ]
     chart = draw_leads(labels, "place of the first touch", series)
     chart.axes[0].set_yticks(range(len(labels)), labels)
-    return resized(chart, 380)
+    return resized(chart, 310)
 
 
 def sentence(rows: pd.DataFrame) -> str:

@@ -1,11 +1,13 @@
-"""Study `first_touch`: accuracy after one, two, three and five touches of upright objects, by ways to choose the first.
+"""Study `first_touch`: accuracy after one touch of upright objects by ways to choose its place, and after more touches.
+
+Parts of the gaze model and single channels choose the first touch only. An unknown front is measured with one touch.
 
 The run needs the strategies of ``plug_in/looking.py`` as a plug-in. Study `first_touch_turned` has turned objects.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from visuohaptic.attention.registry import CHANNELS
 from visuohaptic.base.draw_names import draw_of, name_of_draw
@@ -34,7 +36,7 @@ PARTS = (
 """Parts of the model of people's gaze."""
 
 FRAMES: dict[Turns, tuple[Frame, ...]] = {
-    "none": ("full", "vertical", "none"),
+    "none": ("full", "vertical"),
     "vertical": ("full", "vertical"),
     "any": ("full", "none"),
 }
@@ -47,15 +49,20 @@ def name_of(looking: str, turns: Turns, draw: int, frame: Frame, touches: int) -
 
 
 def conditions(_run: ExperimentParameters) -> Iterator[Condition]:
-    """Yield the conditions on upright objects: all strategies, and each channel by itself."""
+    """Yield the conditions on upright objects: all ways to choose the first touch, and some with more touches."""
     drawn = tuple(
         name_of_draw(strategy, draw) for strategy in RANDOM for draw in range(DRAWS_OF_PLACES)
     )
-    upright = ("fixation", "human", "curvature", *drawn, *RULES, *PARTS)
-    yield from conditions_of_pose("default", "none", 0, upright, {})
+    looks = ("fixation", "human", *drawn, *RULES)
+    first, more = TOUCHES[:1], TOUCHES[1:]
+    all_looks = (*looks, "curvature", *PARTS)
+    full: tuple[Frame, ...] = ("full",)
+    yield from conditions_of_pose("default", "none", 0, all_looks, {}, full, first)
+    yield from conditions_of_pose("default", "none", 0, looks, {}, full, more)
+    yield from conditions_of_pose("default", "none", 0, looks, {}, ("vertical",), first)
     for channel in CHANNELS:
         weights = {f"attention.weights.{name}": float(name == channel) for name in CHANNELS}
-        yield from conditions_of_pose(channel, "none", 0, ("fixation",), weights, ("full",))
+        yield from conditions_of_pose(channel, "none", 0, ("fixation",), weights, full, first)
 
 
 def conditions_of_pose(
@@ -65,6 +72,7 @@ def conditions_of_pose(
     strategies: tuple[str, ...],
     changes: Changes,
     frames: tuple[Frame, ...] | None = None,
+    touches: Sequence[int] = TOUCHES,
 ) -> Iterator[Condition]:
     """Yield one condition per known part of the frame and number of touches.
 
@@ -73,15 +81,15 @@ def conditions_of_pose(
     """
     registered = tuple(name for name in strategies if draw_of(name)[0] in PLANNED.names)
     for frame in frames or FRAMES[turns]:
-        for touches in TOUCHES:
+        for count in touches:
             pipelines = PAPER_AND_OURS if frame == "full" else ("order_free",)
             yield Condition(
-                name_of(looking, turns, draw, frame, touches),
+                name_of(looking, turns, draw, frame, count),
                 {
                     **ONE_CLASSIFIER,
                     **changes,
                     "recognition.frame": frame,
-                    "recognition.touches": touches,
+                    "recognition.touches": count,
                     "recognition.pipelines": pipelines,
                     "probing.strategies": registered,
                 },

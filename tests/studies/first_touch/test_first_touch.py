@@ -1,9 +1,11 @@
 """The conditions of the study, the table that it keeps, and leads from this table by hand."""
 
 import runpy
+from collections import defaultdict
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from studies.surfaces import RUN
 
@@ -40,11 +42,34 @@ def test_without_the_plug_in_the_strategies_of_the_package_are_left():
         assert "fixation" in named
 
 
-def test_each_setting_is_measured_by_each_number_of_touches(changes):
-    settings = {name.rpartition(" ")[0] for name in changes}
-    assert len(changes) == len(settings) * len(TOUCHES)
-    assert {name.rpartition(" ")[2] for name in changes} == {"1", "2", "3", "5"}
+def test_channels_and_an_unknown_front_are_measured_with_one_touch_all_else_with_each_number(
+    changes,
+):
+    by_setting = defaultdict(set)
+    for name in changes:
+        setting, _, touches = name.rpartition(" ")
+        by_setting[setting].add(int(touches))
     assert TOUCHES == (1, 2, 3, 5)
+    with_one = {f"{channel} none 0 full" for channel in CHANNELS} | {"default none 0 vertical"}
+    assert {setting for setting, touches in by_setting.items() if touches == {1}} == with_one
+    others = {frozenset(by_setting[setting]) for setting in {*by_setting} - with_one}
+    assert others == {frozenset(TOUCHES)}
+
+
+def test_parts_of_the_gaze_model_choose_the_first_touch_only(changes):
+    for name, own in changes.items():
+        if name.startswith("default none"):
+            has_parts = bool({*PARTS} & {*own["probing.strategies"]})
+            assert has_parts == (name == "default none 0 full 1")
+
+
+@pytest.mark.parametrize("name", ["paper", "benchmark"])
+def test_the_kept_tables_have_conditions_of_the_study_only(name, changes):
+    kept = pd.read_parquet(PLUG_IN.parents[1] / f"kept_{name}.parquet")
+    names = ["looking", "turns", "draw", "known", "touches", "strategy"]
+    for *words, strategy in kept[names].drop_duplicates().to_numpy():
+        strategies = changes[" ".join(map(str, words))]["probing.strategies"]
+        assert strategy in {draw_of(one)[0] for one in strategies}
 
 
 def test_upright_objects_have_five_draws_of_places_and_turned_objects_three_draws_of_turns(changes):

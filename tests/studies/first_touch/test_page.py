@@ -7,6 +7,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from visuohaptic.attention.registry import CHANNELS
+from visuohaptic.report.wording import listed
+
 ROOT = Path(__file__).parents[3]
 PAGES = (ROOT / "docs/two_questions.md",)
 
@@ -65,13 +68,13 @@ def test_the_readme_has_the_lead_of_the_table(rows):
     said = " ".join((ROOT / "README.md").read_text().split())
     gaze, is_ahead = lead(rows, "human", "random_visible", 1)
     assert is_ahead
-    assert f"{gaze:+.1f} points over a random place in sight, in our pipeline" in said
+    assert f"{gaze:+.1f} points over a random place in sight in our pipeline" in said
     shown = {
         part: lead(rows, part, "random_visible", 1)[1]
         for part in ("gaze_place", "gaze_shape", "gaze_channels")
     }
     assert shown == {"gaze_place": True, "gaze_shape": True, "gaze_channels": False}
-    assert "from the gaze model's terms for place and shape, not from saliency" in said
+    assert "by the model's terms for place and shape, not by saliency" in said
     assert not lead(rows, "human", "highest", 1)[1]
     assert not lead(rows, "human", "random_visible", 2)[1]
 
@@ -80,3 +83,25 @@ def test_random_places_have_five_draws(rows):
     drawn = rows[(rows["strategy"] == "random_visible") & (rows["touches"] == 1)]
     assert drawn["places"].nunique() == 5
     assert drawn["object"].nunique() == 142
+
+
+def test_the_page_has_the_leads_of_single_channels_and_names_those_that_were_not_measured():
+    kept = pd.read_parquet(ROOT / "studies/first_touch/kept_benchmark.parquet")
+    kept = kept[(kept["touches"] == 1) & (kept["known"] == "full")]
+    said = " ".join((ROOT / "studies/first_touch/README.md").read_text().split())
+    said = said.replace("\N{MINUS SIGN}", "-")
+    measured = [name for name in kept["looking"].unique() if name != "default"]
+    for pipeline, words in (("order_free", "our pipeline"), ("paper", "the paper's pipeline")):
+        rows = kept[kept["pipeline"] == pipeline]
+        sight = rows[rows["strategy"] == "random_visible"].assign(touches=1)
+        leads = [
+            lead(
+                pd.concat([rows[rows["looking"] == name], sight]), "fixation", "random_visible", 1
+            )[0]
+            for name in measured
+        ]
+        assert f"{min(leads):+.1f} to {max(leads):+.1f} points in {words} (" in said
+        assert f"of {len(measured)} ahead" in said
+    missing = [name for name in CHANNELS if name not in measured]
+    assert ("were measured on these objects only" in said) == bool(missing)
+    assert not missing or f"Single channels {listed(missing)} were measured" in said
