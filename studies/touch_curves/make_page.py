@@ -97,7 +97,7 @@ def answers(figures: Figures) -> str:
         f"**In our pipeline {listed(ahead) or 'no strategy'} is shown to be ahead of fixation.** Behind it are "
         f"{listed(behind) or 'none'}. {listed(soonest)} reach 90 % with the fewest touches, {fewest}."
     )
-    touch = f"**The first touch** is best by `{best}`: {share(one[best])} of the views are right."
+    touch = f"**The first touch** is best by `{best}`: {share(one[best])} of the views are right ([leads](../first_touch/README.md))."
     papers = (
         f"**In the paper's pipeline** no strategy has more than {share(highest)}. Ahead of fixation is "
         f"{listed(ahead_there) or 'none'}; behind are {listed(behind_there) or 'none'}."
