@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import shutil
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import pyarrow as pa
@@ -24,15 +24,17 @@ VALUES_LEFT_OUT = ("study_features/",)
 """Tables of the default run whose values are too large to keep; their columns have digest, mean and deviation."""
 
 
-def make_run(name: str, folder: Path) -> dict[str, pa.Table]:
-    """Make one of `RUNS` in an empty folder, and return its tables."""
+def make_run(
+    name: str, folder: Path, open_folder: Callable[[Path], Experiment] = Experiment
+) -> dict[str, pa.Table]:
+    """Make one of `RUNS` in an empty folder, opened as an experiment, and return its tables."""
     if name == "variants":
         return variant_tables()
     if name == "small_run":
         copy_experiment(folder, COPIED, SMALL_OBJECTS, SMALL)
     else:
         copy_files(folder, (*COPIED, "meshes/catalogue.csv"))
-    Experiment(folder).snakemake()
+    open_folder(folder).snakemake()
     return read_run(folder)
 
 

@@ -1,13 +1,13 @@
 """The small run that the tests of the workflow make, and what it felt."""
 
 import pytest
-from workflow.conftest import finished, fresh, once
+from workflow.conftest import finished, fresh, once, open_folder
 
 from visuohaptic.evaluation.summary import select
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table
 
-__all__ = ["finished", "fresh", "once"]
+__all__ = ["finished", "fresh", "once", "open_folder"]
 
 
 @pytest.fixture(scope="session")

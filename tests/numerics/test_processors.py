@@ -25,9 +25,10 @@ EMULATOR = "qemu-x86_64"
 # take their older kernels, and NumPy's kernels for AVX2 are tested on the processor itself. OpenBLAS takes emulated processors for its host's family
 # where that is newer than it knows, and then runs instructions that they don't have: its kernels are named.
 PROCESSORS = {
-    "NumPy for AVX2": ([], {"NPY_DISABLE_CPU_FEATURES": "X86_V4 AVX512_ICL"}),
-    "OpenBLAS for Haswell": ([], {"OPENBLAS_CORETYPE": "Haswell"}),
-    "OpenBLAS for Prescott": ([], {"OPENBLAS_CORETYPE": "Prescott"}),
+    "NumPy for AVX2, OpenBLAS for Prescott": (
+        [],
+        {"NPY_DISABLE_CPU_FEATURES": "X86_V4 AVX512_ICL", "OPENBLAS_CORETYPE": "Prescott"},
+    ),
     "Haswell": (
         [EMULATOR, "-cpu", "Haswell"],
         {

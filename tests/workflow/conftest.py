@@ -50,14 +50,19 @@ def fresh(once):
 
 
 @pytest.fixture(scope="session")
-def finished(fresh, once):
-    """The experiment after one whole run with two processes."""
-    return once("finished", lambda one: fresh.copy(one.folder).snakemake())
+def finished(fresh, once, request):
+    """The experiment after one whole run with two processes, which are forks."""
+
+    def make(one):
+        open_folder = request.getfixturevalue("open_folder")
+        open_folder(fresh.copy(one.folder).folder, has_stand_ins=False).snakemake()
+
+    return once("finished", make)
 
 
 @pytest.fixture
 def experiment(finished, open_folder, tmp_path):
-    """A copy of the finished experiment. Its dry runs are forks."""
+    """A copy of the finished experiment, whose commands and scripts are forks."""
     folder = finished.copy(tmp_path / "experiment").folder
     return open_folder(folder, has_stand_ins=False)
 

@@ -1,8 +1,10 @@
-"""Run `snakemake`, `dvc` and questions about an experiment of stand-ins in forks of one process that imported all.
+"""Run `snakemake`, `dvc` and questions about an experiment in forks of one process that imported all.
 
-A command that way costs a fraction of a second instead of seconds, so that a test can run hundreds. Everything is real
-but two things: a job's script runs in the process of Snakemake, and the value of a module that a stand-in imports is
-read from the text of the module. Bytecode and imports are tested with real processes, in `test_states.py`.
+A command that way costs a fraction of a second instead of seconds, so that a test can run hundreds. Of an experiment of
+stand-ins everything is real but two things: a job's script runs in the process of Snakemake, and the value of a module
+that a stand-in imports is read from the text of the module. Bytecode and imports are tested with real processes, in
+`test_states.py`. Real scripts run in forks, too: they import the experiment's own modules, and find packages of others
+imported.
 
 Jobs can be disturbed: variable `FAULT` of the environment is JSON with the fields of `Fault`.
 """
@@ -30,15 +32,24 @@ from pathlib import Path
 from workflow.experiments import Experiment
 from workflow.shim import ask
 
+from visuohaptic.base.quick_imports import quick_imports
+
 FAULT = "TEST_FAULT"
 SERVER = "TEST_SERVER"
 CLONE = "TEST_CLONE"
 PARENT = "TEST_PARENT"
+REAL = "TEST_REAL"
 COMMANDS = ("snakemake", "dvc")
 IMPORTED = (
     "dvc.cli", "dvc.repo", "snakemake.cli", "visuohaptic.phases", "visuohaptic_workflow.closing",
     "visuohaptic_workflow.jobs", "workflow.clean_runs",
 )  # fmt: skip
+IMPORTED_BY_SCRIPTS = (
+    "cv2", "jinja2", "lxml.etree", "matplotlib.figure", "matplotlib.backends.backend_svg", "PIL.Image", "pywt",
+    "scipy.optimize", "scipy.spatial", "scipy.stats", "sklearn.discriminant_analysis", "sklearn.naive_bayes",
+    "sklearn.neighbors", "sklearn.svm", "sklearn.tree", "trimesh", "visuohaptic.geometry.compiled_open3d",
+)  # fmt: skip
+OURS = {"visuohaptic", "visuohaptic_workflow", "contourlets", "meshreaders"}
 TESTS = Path(__file__).parents[1]
 ROOT = TESTS.parent
 
@@ -65,8 +76,8 @@ class Fault:
 class QuickExperiment(Experiment):
     """An experiment whose `snakemake` and `dvc` run in forks of a server; `inspect` answers as `clean_runs` says.
 
-    Real scripts run in processes of their own, so that only dry runs are forks where `has_stand_ins` is False.
-    `clone` is the folder of the code, if this folder has none.
+    Where `has_stand_ins` is False, each script runs in a fork of the server. `clone` is the folder of the code, if this
+    folder has none.
     """
 
     server: Path = Path()
@@ -74,10 +85,11 @@ class QuickExperiment(Experiment):
     clone: Path | None = None
 
     def run(self, *command, check=True, **more):
-        is_quick = command[0] in COMMAND_OF and (self.has_stand_ins or "-n" in command)
-        if not is_quick:
+        if command[0] not in COMMAND_OF:
             return super().run(*command, check=check, **more)
         environment = {**self.environment, **more, SERVER: str(self.server)}
+        if not self.has_stand_ins:
+            environment[REAL] = "1"
         if self.clone:
             environment[CLONE] = str(self.clone)
         environment["PATH"] = f"{self.server.parent}/bin{os.pathsep}{environment['PATH']}"
@@ -131,8 +143,9 @@ def serving():
 
 def serve(address):
     """Import what commands need, then fork a process per command, until this process is terminated."""
-    for module in IMPORTED:
-        import_module(module)
+    with quick_imports():  # without pandas, as scripts
+        for module in (*IMPORTED, *IMPORTED_BY_SCRIPTS):
+            import_module(module)
     # The parsers of the command lines import all commands and plug-ins, half of the time of a dry run.
     import_module("snakemake.cli").get_argument_parser()
     import_module("dvc.cli.parser").get_main_parser()
@@ -197,12 +210,7 @@ def run_request(argv, folder, environment):
 def relocate_modules(folder):
     """Let modules that this process imported have the paths of an experiment's own files, which keys name."""
     for name, module in [*sys.modules.items()]:
-        if name.partition(".")[0] in {
-            "visuohaptic",
-            "visuohaptic_workflow",
-            "contourlets",
-            "meshreaders",
-        }:
+        if name.partition(".")[0] in OURS:
             spec = module.__spec__
             spec.origin = spec.origin and spec.origin.replace(str(ROOT), folder)
             if spec.submodule_search_locations:
@@ -214,7 +222,7 @@ def run_snakemake(arguments):
     from snakemake.cli import main
     from snakemake.script import PythonScript
 
-    PythonScript.execute_script = run_script_here
+    PythonScript.execute_script = run_script_in_fork if REAL in os.environ else run_script_here
     answer_children()
     main(arguments)
 
@@ -233,7 +241,18 @@ def run_inspection(arguments):
     return 0
 
 
-COMMAND_OF = {"snakemake": run_snakemake, "dvc": run_dvc, "inspect": run_inspection}
+def run_script(arguments):
+    """Run a real script, which imports the modules of its own experiment."""
+    for name in [*sys.modules]:
+        if name.partition(".")[0] in OURS:
+            del sys.modules[name]
+    sys.argv = list(arguments)
+    runpy.run_path(arguments[0], run_name="__main__")
+
+
+COMMAND_OF = {
+    "snakemake": run_snakemake, "dvc": run_dvc, "inspect": run_inspection, "script": run_script,
+}  # fmt: skip
 
 
 def answer_children():
@@ -255,6 +274,15 @@ def answer_children():
         return subprocess.CompletedProcess(command, answer.returncode, answer.stdout, answer.stdout)
 
     subprocess.run = run_by_server
+
+
+def run_script_in_fork(script, name, edit=False):
+    """Let the server run the script of a job, instead of Snakemake's `python <script>`."""
+    environment = {**os.environ, PARENT: str(os.getpid())}
+    answer = ask(os.environ[SERVER], ["script", name], Path.cwd(), environment)
+    sys.stderr.write(answer.stdout)
+    if answer.returncode:
+        raise subprocess.CalledProcessError(answer.returncode, name)
 
 
 started = 0

@@ -37,9 +37,9 @@ def address(monkeypatch, tmp_path):
 
 
 def test_results_on_s3_of_other_blocks_and_one_process_are_those_of_a_local_run(
-    fresh, finished, address, tmp_path
+    fresh, finished, open_folder, address, tmp_path
 ):
-    experiment = fresh.copy(tmp_path / "experiment")
+    experiment = open_folder(fresh.copy(tmp_path / "experiment").folder, has_stand_ins=False)
     on_s3 = (
         "--default-storage-provider", "s3", "--default-storage-prefix", "s3://bucket/run",
         "--storage-s3-endpoint-url", address,
