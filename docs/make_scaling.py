@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from itertools import chain
 
-from filling import DOCS, fill_page, read_json, table
+from filling import DOCS, fill_page, read_json, table, wrapped
 from matplotlib.figure import Figure
 
 MEASURED = DOCS.parent / "benchmarks" / "scaling.json"
@@ -20,7 +20,7 @@ SCRIPTS = {
     "touches": ("touches",),
     "features": ("features",),
     "recognition": ("recognition",),
-    "frontier and effects": (
+    "frontier, draws and effects": (
         "block_of_study",
         "features_of_study",
         "figures_of_study",
@@ -96,6 +96,14 @@ def growth(rows: Rows, unit: str) -> str:
     return table(["", *(f"{count:,} objects" for count in counts), "exponent"], lines)
 
 
+def largest(seconds: Rows) -> str:
+    """Name the three phases that take the most processor seconds with the largest number of objects."""
+    count = max(seconds[WHOLE])
+    costs = sorted(((seconds[row][count], row) for row in SCRIPTS), reverse=True)[:3]
+    named = "; ".join(f"{row}, {cost:,.0f} s" for cost, row in costs)
+    return wrapped(f"Most processor time with {count:,} objects: {named}.")
+
+
 def draw(panels: Mapping[str, Rows]) -> Figure:
     """Draw one panel per table by number of objects, all axes logarithmic, and lines of exponent 1 for comparison."""
     figure = Figure(figsize=(11, 5.6), layout="constrained")
@@ -136,9 +144,13 @@ def read_rows() -> tuple[Rows, Rows]:
 
 
 def blocks() -> dict[str, str]:
-    """Return the tables of the page by name of the block."""
+    """Return the tables and the sentence of the page by name of the block."""
     seconds, memory = read_rows()
-    return {"seconds": growth(seconds, "s"), "memory": growth(memory, "MB")}
+    return {
+        "seconds": growth(seconds, "s"),
+        "memory": growth(memory, "MB"),
+        "largest": largest(seconds),
+    }
 
 
 if __name__ == "__main__":
