@@ -58,7 +58,7 @@ def test_no_object_of_a_test_class_counts_in_the_choice(known, monkeypatch):
 
 def test_the_rule_takes_the_largest_mean_area():
     by_class = pd.DataFrame({TODAY: np.full(20, 0.6), "near": np.full(20, 0.7), "far": 0.8})
-    by_class.loc[0, "near"] = 0.0
+    by_class.loc[0, "near"] = 0.95
     best, gain = choose(by_class)
     assert best == "far"
     assert gain["gain"] == pytest.approx(0.2)
