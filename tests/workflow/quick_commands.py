@@ -33,6 +33,7 @@ from workflow.experiments import Experiment
 from workflow.shim import ask
 
 from visuohaptic.base.quick_imports import quick_imports
+from visuohaptic_workflow.code_of_jobs import imports_of
 
 FAULT = "TEST_FAULT"
 SERVER = "TEST_SERVER"
@@ -41,8 +42,9 @@ PARENT = "TEST_PARENT"
 REAL = "TEST_REAL"
 COMMANDS = ("snakemake", "dvc")
 IMPORTED = (
-    "dvc.cli", "dvc.repo", "snakemake.cli", "visuohaptic.phases", "visuohaptic_workflow.closing",
-    "visuohaptic_workflow.jobs", "workflow.clean_runs",
+    "dvc.cachemgr", "dvc.cli", "dvc.data_cloud", "dvc.lock", "dvc.repo", "dvc.repo.experiments", "dvc.repo.index",
+    "dvc.repo.plots", "dvc.rwlock", "dvc.scm", "requests", "scmrepo.git", "smart_open", "snakemake.cli",
+    "visuohaptic.phases", "visuohaptic_workflow.closing", "visuohaptic_workflow.jobs", "workflow.clean_runs",
 )  # fmt: skip
 IMPORTED_BY_SCRIPTS = (
     "cv2", "jinja2", "lxml.etree", "matplotlib.figure", "matplotlib.backends.backend_svg", "PIL.Image", "pywt",
@@ -149,6 +151,10 @@ def serve(address):
     # The parsers of the command lines import all commands and plug-ins, half of the time of a dry run.
     import_module("snakemake.cli").get_argument_parser()
     import_module("dvc.cli.parser").get_main_parser()
+    # A copy of the experiment has new files, whose imports no folder's cache has.
+    for folder in ("src", "packages", "workflow", "studies"):
+        for file in ROOT.joinpath(folder).rglob("*.py"):
+            imports_of(file)
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)
     with socket.socket(socket.AF_UNIX) as listening:
         listening.bind(address)

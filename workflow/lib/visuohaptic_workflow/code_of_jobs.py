@@ -138,12 +138,17 @@ def imports_of(file: Path) -> list[str]:
         If the file has an error of syntax.
     """
     try:
-        tree = ast.parse(file.read_text(encoding="utf-8"))
+        return [*_imports_in(file.read_text(encoding="utf-8"))]
     except (SyntaxError, ValueError) as error:  # ValueError: bytes that are no text, or a null byte
         line = f", line {error.lineno}" if isinstance(error, SyntaxError) and error.lineno else ""
         reason = error.msg if isinstance(error, SyntaxError) else error
         raise CodeError(f"{file}{line} can't be read as Python: {reason}.") from error
-    return sorted(set(_names_imported(tree)))
+
+
+@cache
+def _imports_in(text: str) -> tuple[str, ...]:
+    """Return the names that Python code imports; of equal files one is parsed."""
+    return tuple(sorted(set(_names_imported(ast.parse(text)))))
 
 
 Read = Callable[[Path], Iterable[str]]
