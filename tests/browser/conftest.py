@@ -9,14 +9,8 @@ SCREENSHOTS = Path(__file__).parents[2] / "reports" / "screenshots"
 BROWSER = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
 )
-# A sandbox needs more than a container gives; drawing in 3D needs no graphics card.
-OPTIONS = [
-    "--no-sandbox",
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--ignore-gpu-blocklist",
-]
+# A sandbox needs more than a container gives. Pages draw without WebGL, so nothing renders 3D in software.
+OPTIONS = ["--no-sandbox", "--disable-gpu"]
 PHONE = {"width": 390, "height": 844}
 DESK = {"width": 1280, "height": 900}
 OWN = ("file:", "data:", "blob:")
