@@ -2,7 +2,6 @@
 
 import os
 import re
-import shutil
 import subprocess
 import sys
 from dataclasses import dataclass, field, replace
@@ -80,5 +79,7 @@ class Experiment:
 
     def copy(self, folder):
         """Copy the folder, and return the experiment there, whose commands run in the same way."""
-        shutil.copytree(self.folder, folder, symlinks=True)
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        # A third of the time of shutil.
+        subprocess.run(["cp", "-a", self.folder, folder], check=True)
         return replace(self, folder=folder)

@@ -11,15 +11,13 @@ import json
 import os
 import shutil
 import subprocess
-from collections.abc import Callable
 from pathlib import Path
 
 from hypothesis import note
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, precondition, rule
 from small_experiment import SMALL_OBJECTS, set_parameters, write_catalogue
-from workflow.experiments import Experiment
-from workflow.quick_commands import Fault
+from workflow.quick_commands import Fault, QuickExperiment
 from workflow.stand_ins import MODULES, digests, stand_in
 
 TARGETS = (
@@ -114,10 +112,8 @@ class FolderMachine(RuleBasedStateMachine):
 
     Attributes
     ----------
-    starts : mapping of str to Experiment
+    starts : mapping of str to QuickExperiment
         Folders to begin from, by name; only those named ``repository`` have Git and DVC.
-    open_folder : callable
-        Gives the `QuickExperiment` of a folder (`quick_commands.serving`).
     work : Path
         Where the folders of examples are made.
     box : Path
@@ -126,8 +122,7 @@ class FolderMachine(RuleBasedStateMachine):
         How often commands ran and runs were checked.
     """
 
-    starts: dict[str, Experiment]
-    open_folder: Callable[[Path], Experiment]
+    starts: dict[str, QuickExperiment]
     work: Path
     box: Path
     counts: dict[str, int]
@@ -135,9 +130,8 @@ class FolderMachine(RuleBasedStateMachine):
     @initialize(start=st.sampled_from(("plain", "plain", "repository")))
     def begin(self, start):
         folder = self.work / "folder"
-        shutil.rmtree(folder, ignore_errors=True)
-        subprocess.run(["cp", "-a", self.starts[start].folder, folder], check=True)
-        self.experiment = self.open_folder(folder)
+        subprocess.run(["rm", "-rf", folder], check=True)
+        self.experiment = self.starts[start].copy(folder)
         self.is_repository = start == "repository"
         self.foreign: dict[str, str] = {}
         self.is_wrong = False
@@ -146,7 +140,7 @@ class FolderMachine(RuleBasedStateMachine):
         """End each example with a run of everything."""
         if not self.is_wrong:
             self.run("all")
-        shutil.rmtree(self.work / "folder", ignore_errors=True)
+        subprocess.run(["rm", "-rf", self.work / "folder"], check=True)
 
     @property
     def folder(self):

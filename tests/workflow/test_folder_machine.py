@@ -14,7 +14,7 @@ EXAMPLES, STEPS = 12, 12
 
 
 @pytest.fixture(scope="module")
-def machine(whole_stand_in, repository, open_folder, tmp_path_factory):
+def machine(whole_stand_in, repository, tmp_path_factory):
     """A state machine that begins with a finished run, plain or in a repository with branches and experiments."""
     work = tmp_path_factory.mktemp("machine")
     (work / "repository").mkdir()
@@ -27,7 +27,6 @@ def machine(whole_stand_in, repository, open_folder, tmp_path_factory):
 
     Machine.starts = {"plain": whole_stand_in, "repository": branched}
     Machine.work, Machine.box, Machine.counts = work, work / "box.stl", Counter()
-    Machine.open_folder = staticmethod(open_folder)
     return Machine
 
 
