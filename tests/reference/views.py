@@ -69,14 +69,14 @@ def hit_triangles(origin, direction, a, b, c):
     """
     edge1, edge2 = b - a, c - a
     p = np.cross(direction, edge2)
-    determinant = (edge1 * p).sum(axis=1)
+    determinant = np.einsum("fk,fk->f", edge1, p)
     parallel = np.abs(determinant) < 1e-14
     determinant = np.where(parallel, 1.0, determinant)
     to_origin = origin - a
-    u = (to_origin * p).sum(axis=1) / determinant
+    u = np.einsum("fk,fk->f", to_origin, p) / determinant
     q = np.cross(to_origin, edge1)
     v = (q @ direction) / determinant
-    distance = (edge2 * q).sum(axis=1) / determinant
+    distance = np.einsum("fk,fk->f", edge2, q) / determinant
     inside = (u >= 0) & (v >= 0) & (u + v <= 1) & (distance > 0) & ~parallel
     return np.where(inside, distance, np.inf), np.stack([1 - u - v, u, v], axis=1)
 
@@ -105,6 +105,12 @@ def encode_srgb(light):
     return np.where(light <= 0.0031308, light * 12.92, 1.055 * light ** (1 / 2.4) - 0.055)
 
 
+def cross(first, second):
+    """Return the cross product of two vectors; np.cross is for arrays of many."""
+    (a, b, c), (u, v, w) = first.tolist(), second.tolist()
+    return np.array([b * w - c * v, c * u - a * w, a * v - b * u])
+
+
 def unit(vector):
     """Return a vector of length 1, or the zero vector."""
     length = np.sqrt(vector @ vector)
@@ -113,7 +119,7 @@ def unit(vector):
 
 def face_normal(corners):
     """Return the unit normal of a triangle (3, 3) on the side from which its corners turn to the left."""
-    return unit(np.cross(corners[1] - corners[0], corners[2] - corners[0]))
+    return unit(cross(corners[1] - corners[0], corners[2] - corners[0]))
 
 
 def light_direction(eye):
@@ -131,7 +137,8 @@ def shade(colour, normal, eye, ambient):
 
 def angle_between(first, second):
     """Return the angle between two vectors, radians."""
-    return np.arctan2(np.linalg.norm(np.cross(first, second)), first @ second)
+    normal = cross(first, second)
+    return np.arctan2(np.sqrt(normal @ normal), first @ second)
 
 
 def neighbours(faces):
@@ -154,7 +161,7 @@ def neighbours(faces):
 
 @dataclass
 class Shape:
-    """Normals and curvature at the corners, and the folds, of f faces."""
+    """Normals and curvature at the corners, and the folds, of f faces; normals and curvature of seen faces only."""
 
     normals: np.ndarray  # (f, 3, 3), unit normal at each corner, on the side of the face's winding
     curvedness: np.ndarray  # (f, 3), of the smooth surface at each corner
@@ -162,8 +169,8 @@ class Shape:
     heights: np.ndarray  # (f, 3), distance of each edge from the opposite corner
 
 
-def measure_shape(vertices, faces):
-    """Compute normals and curvature of a mesh without slivers, in which no edge has more than two faces.
+def measure_shape(vertices, faces, seen):
+    """Compute normals and curvature of the seen faces of a mesh without slivers and edges of more than two faces.
 
     docs/attention.md, "Curvature of any triangle mesh". Vertices at the same position count as one.
     """
@@ -175,8 +182,11 @@ def measure_shape(vertices, faces):
     flat = np.array([face_normal(triangle) for triangle in corners])
     folds, groups = part_at_folds(welded, flat)
 
+    # Curvature at a corner is a mean over faces around the corner, which takes the normals at all of their corners.
+    of_seen = groups_of(seen, groups)
+    around_seen = {face for members in of_seen for face, _, _ in members}
     normals = np.zeros((len(faces), 3, 3))
-    for members in groups:
+    for members in groups_of(around_seen, groups):
         # The mean of the faces' normals, weighted by the angle at the corner (Thuermer & Wuethrich 1998).
         total = np.zeros(3)
         for face, corner, side in members:
@@ -185,20 +195,28 @@ def measure_shape(vertices, faces):
         for face, corner, side in members:
             normals[face, corner] = side * unit(total)
 
-    areas = np.array([np.linalg.norm(np.cross(b - a, c - a)) / 2 for a, b, c in corners])
-    of_face = np.array([curvedness_of_face(corners[k], normals[k]) for k in range(len(faces))])
+    a, b, c = corners.transpose(1, 0, 2)
+    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+    of_face = np.zeros(len(faces))
+    for face in around_seen:
+        of_face[face] = curvedness_of_face(corners[face], normals[face])
     curvedness = np.zeros((len(faces), 3))
-    for members in groups:
+    for members in of_seen:
         around = [face for face, _, _ in members]
         mean = (areas[around] * of_face[around]).sum() / areas[around].sum()
         for face, corner, _ in members:
             curvedness[face, corner] = mean
     heights = np.zeros((len(faces), 3))
-    for face in range(len(faces)):
+    for face in seen:
         for edge in range(3):
             side = corners[face, (edge + 1) % 3] - corners[face, edge]
             heights[face, edge] = 2 * areas[face] / np.linalg.norm(side)
     return Shape(normals, curvedness, folds, heights)
+
+
+def groups_of(faces, groups):
+    """Return the groups of corners in which any of the faces is."""
+    return [members for members in groups if any(face in faces for face, _, _ in members)]
 
 
 def part_at_folds(welded, flat):
@@ -243,7 +261,7 @@ def curvedness_of_face(corners, normals):
     """
     a, b, c = corners
     tangent = unit(b - a)
-    basis = np.array([tangent, np.cross(face_normal(corners), tangent)])
+    basis = np.array([tangent, cross(face_normal(corners), tangent)])
     steps = np.stack([basis @ (b - a), basis @ (c - a)], axis=1)
     turns = np.stack([basis @ (normals[1] - normals[0]), basis @ (normals[2] - normals[0])], axis=1)
     operator = turns @ np.linalg.inv(steps)
@@ -276,7 +294,6 @@ def curvature_at(shape, face, weights):
 def render(vertices, faces, face_colours, eye, size, ambient=0.4, background=0.85):
     """Return the `View` of a mesh whose faces have sRGB colours (f, 3) from 0 to 1."""
     triangles = vertices[faces]
-    shape = measure_shape(vertices, faces)
     backward = camera_axes(eye)[2]
     view = View(
         mask=np.zeros((size, size), bool),
@@ -288,6 +305,7 @@ def render(vertices, faces, face_colours, eye, size, ambient=0.4, background=0.8
         curvature=np.zeros((size, size)),
         ties=np.zeros((size, size), bool),
     )
+    hits = {}
     for row in range(size):
         for column in range(size):
             direction = pixel_ray(eye, row, column, size)
@@ -295,20 +313,23 @@ def render(vertices, faces, face_colours, eye, size, ambient=0.4, background=0.8
             face = int(distances.argmin())
             if np.isinf(distances[face]):
                 continue
-            point = eye + distances[face] * direction
-            # The interpolated normal, on the side of the camera; the face's own where that one points away.
-            away = -1 if face_normal(triangles[face]) @ direction > 0 else 1
-            normal = away * unit(weights[face] @ shape.normals[face])
-            if normal @ direction >= 0:
-                normal = away * face_normal(triangles[face])
             view.mask[row, column] = True
-            view.face[row, column] = face
-            view.depth[row, column] = (eye - point) @ backward
-            view.point[row, column] = point
-            view.normal[row, column] = normal
-            view.colour[row, column] = shade(face_colours[face], normal, eye, ambient)
-            view.curvature[row, column] = curvature_at(shape, face, weights[face])
             view.ties[row, column] = (distances < distances[face] + 1e-9).sum() > 1
+            hits[row, column] = direction, face, distances[face], weights[face]
+    shape = measure_shape(vertices, faces, {face for _, face, _, _ in hits.values()})
+    for pixel, (direction, face, distance, weights) in hits.items():
+        point = eye + distance * direction
+        # The interpolated normal, on the side of the camera; the face's own where that one points away.
+        away = -1 if face_normal(triangles[face]) @ direction > 0 else 1
+        normal = away * unit(weights @ shape.normals[face])
+        if normal @ direction >= 0:
+            normal = away * face_normal(triangles[face])
+        view.face[pixel] = face
+        view.depth[pixel] = (eye - point) @ backward
+        view.point[pixel] = point
+        view.normal[pixel] = normal
+        view.colour[pixel] = shade(face_colours[face], normal, eye, ambient)
+        view.curvature[pixel] = curvature_at(shape, face, weights)
     return view
 
 
