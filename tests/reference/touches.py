@@ -121,14 +121,14 @@ def height_of_object(place, normal, triangles, below=np.inf):
 
 def within_square(place, columns, rows, size, triangles):
     """Return the triangles that rays within the square along its normal or in its plane can meet."""
-    kept = triangles
-    for axis in (columns, rows):
-        offsets = (kept - place) @ axis
-        overlap = (offsets.min(axis=1) <= size / 2 + 1e-9) & (
-            offsets.max(axis=1) >= -size / 2 - 1e-9
-        )
-        kept = kept[overlap]
-    return kept
+    return within_strip(place, rows, size, within_strip(place, columns, size, triangles))
+
+
+def within_strip(place, axis, width, triangles):
+    """Return the triangles of which a part is less than half a width away from the place along an axis."""
+    offsets = (triangles - place) @ axis
+    reach = width / 2 + 1e-9
+    return triangles[(offsets.min(axis=1) <= reach) & (offsets.max(axis=1) >= -reach)]
 
 
 def square_of_heights(place, normal, columns, rows, size, resolution, triangles, below=np.inf):
@@ -136,9 +136,10 @@ def square_of_heights(place, normal, columns, rows, size, resolution, triangles,
     heights = np.empty((resolution, resolution))
     offsets = sensing_offsets(size, resolution)
     for i, down in enumerate(offsets):
+        in_row = within_strip(place + down * rows, rows, 0, triangles)
         for j, right in enumerate(offsets):
             point = place + right * columns + down * rows
-            heights[i, j] = height_of_object(point, normal, triangles, below)
+            heights[i, j] = height_of_object(point, normal, in_row, below)
     return heights
 
 
