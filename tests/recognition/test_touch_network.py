@@ -164,7 +164,7 @@ def one_object(table, **chosen):
     return table
 
 
-@pytest.fixture(params=ELEMENTS)
+@pytest.fixture(scope="module", params=ELEMENTS)
 def model(request):
     parameters = RecognitionParameters(frame=request.param, learned=FEW)
     table = features_table(objects=(4, 4, 4), separation=3.0)
