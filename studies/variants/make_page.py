@@ -138,10 +138,7 @@ def draw(tables: Mapping[str, list[Row]]) -> Figure:
 
 
 def _main_leads(tables: Mapping[str, list[Row]]) -> dict[tuple[str, str, str], str]:
-    """Write the leads of the default and the most literal variant, by random touches, set of objects and variant.
-
-    Leads whose p value is below 0.05 after Holm's correction for all these leads are bold.
-    """
+    """Write the leads of both variants by random touches, set and variant; bold have p < 0.05 after Holm's correction."""
     found = [
         (option, one)
         for option in OPPONENTS
