@@ -7,9 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from filling import fill_page, points, save_picture, share, wrapped
+from filling import fill_page, points, save_picture, share, table, wrapped
 from matplotlib.figure import Figure as Chart
 
+from packaged_model import strangeness
 from packaged_model.measure import CHOSEN, gain_of
 from visuohaptic.evaluation.intervals import object_interval
 from visuohaptic.meshes.catalogue import TEST_CLASSES
@@ -21,6 +22,7 @@ from visuohaptic.studies.keeping import kept_file
 
 HERE = Path(__file__).parent
 PAGE = HERE / "README.md"
+SCORES = HERE / "strangeness.md"
 PICTURE = HERE / "packaged_model.png"
 
 
@@ -81,6 +83,31 @@ def blocks() -> dict[str, str]:
     return {"sentence": sentence(answers)}
 
 
+def blocks_of_scores() -> dict[str, str]:
+    """Return the answer and the table of the page on scores of unknown objects."""
+    found = json.loads(strangeness.CHOSEN.read_text(encoding="utf-8"))
+    areas, best, gain, today = found["areas"], found["best"], found["gain"], strangeness.TODAY
+    strange, known = found["test classes"], found["known classes"]
+    if not found["taken"] or strange[best] >= strange[today]:
+        raise ValueError("the answer on scores has another form today: write its sentence again.")
+    text = (
+        f"**The rule takes another score in, but on the test classes it notices fewer unknown objects.** The score *{best}* "
+        f"has the largest area, {gain['gain']:.3f} more than today's ({gain['low']:.3f} to {gain['high']:.3f}, p "
+        f"{gain['p_value']:.2g}). Of {strange['objects']} objects of the test classes it calls {share(strange[best], 0)} "
+        f"unknown, and today's score {share(strange[today], 0)}. By mistake it does so for {share(known[best], 0)} of "
+        f"{known['objects']} held-out objects of known classes, today's for {share(known[today], 0)}: at the same level it is "
+        f"the more cautious one. The package's model has today's score."
+    )
+    rows = [
+        [f"{name} (today's)" if name == today else name, f"{areas[name]:.3f}"]
+        for name in sorted(areas, key=areas.__getitem__, reverse=True)
+    ]
+    return {
+        "found": wrapped(text),
+        "areas": table(["score", "area under the ROC curve, mean over 20 classes"], rows),
+    }
+
+
 @style()
 def draw(answers: pd.DataFrame) -> Chart:
     """Draw the share of objects that is named right from 16 views, and from one, by class."""
@@ -103,4 +130,5 @@ def draw(answers: pd.DataFrame) -> Chart:
 
 if __name__ == "__main__":
     fill_page(PAGE, blocks())
+    fill_page(SCORES, blocks_of_scores())
     save_picture(draw(kept_answers()), PICTURE)

@@ -1,5 +1,9 @@
 """The scores of unknown objects, and the rule that takes one in."""
 
+import json
+import re
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -73,3 +77,21 @@ def test_known_objects_are_called_unknown_once_and_strange_ones_by_each_model(kn
     assert found.groupby("strange").size().to_dict() == {False: 50, True: 20}
     assert found.loc[found["strange"], TODAY].all()
     assert found.loc[~found["strange"], TODAY].mean() < 0.3
+
+
+def test_the_page_says_what_was_measured():
+    page = " ".join(Path(strangeness.__file__).with_name("strangeness.md").read_text().split())
+    found = json.loads(strangeness.CHOSEN.read_text())
+    areas, best = found["areas"], found["best"]
+    assert best == max(areas, key=areas.get)
+    assert found["taken"] == (found["gain"]["p_value"] < 0.05 and found["gain"]["gain"] > 0)
+    strange, known = found["test classes"], found["known classes"]
+    assert strange[best] < strange[TODAY]
+    assert "on the test classes it notices fewer unknown objects" in page
+    assert (
+        f"it calls {100 * strange[best]:.0f} % unknown, and today's score {100 * strange[TODAY]:.0f} %"
+        in page
+    )
+    assert f"for {100 * known[best]:.0f} % of {known['objects']} held-out objects" in page
+    for name, area in areas.items():
+        assert re.search(rf"\| {re.escape(name)}( \(today's\))? \| {area:.3f} \|", page)
