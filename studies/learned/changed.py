@@ -18,6 +18,7 @@ import pyarrow.compute as pc
 from PIL import Image, ImageDraw, ImageFont
 
 from classifier_settings.half import choosing_objects
+from learned.curves import SEED, divided, parameters_of
 from learned.study import PIPELINES, STRATEGIES
 from visuohaptic.exploration.picture import GAP, LABEL, VIEW_PIXELS, draw_exploration
 from visuohaptic.exploration.standing import join_cells
@@ -25,19 +26,10 @@ from visuohaptic.geometry.surface import read_surface
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pictures.taxels import imprint_images
 from visuohaptic.recognition.experiment import predict_splits
-from visuohaptic.recognition.parameters import ProtocolParameters, RecognitionParameters
 from visuohaptic.recognition.pipelines import pipeline_of
-from visuohaptic.recognition.sequences import gather_pipeline, take_strategy
-from visuohaptic.recognition.splits import draw_splits
-from visuohaptic.studies.conditions import ONE_CLASSIFIER
 from visuohaptic.tables.phases import FEATURES, TOUCHES, VIEWS, owner_columns
 from visuohaptic.tables.schema import Schema, read_table
 
-SEED = 2018
-PARAMETERS = RecognitionParameters(
-    order_free={"classifiers": ONE_CLASSIFIER["recognition.order_free.classifiers"]},
-    protocol=ProtocolParameters(protocol="grouped_folds"),
-)
 COUNT = 10
 ACROSS = 5
 CELL_PIXELS = 140
@@ -58,10 +50,8 @@ class Changed(NamedTuple):
 
 def named(features: pa.Table, pipeline: str) -> dict[tuple[str, int], str]:
     """Return the named class of each view by fixation, by object and viewpoint; each object is tested once."""
-    table, _ = take_strategy(features, STRATEGIES[0], PARAMETERS.touches)
-    sequences = gather_pipeline(table, PARAMETERS, pipeline, SEED)
-    splits = draw_splits(sequences, PARAMETERS.protocol, SEED)
-    parts = pipeline_of(pipeline, PARAMETERS, SEED)
+    sequences, splits = divided(features, "full", pipeline)
+    parts = pipeline_of(pipeline, parameters_of("full"), SEED)
     return {
         ("/".join(sequences.objects[sequences.object_index[row]]), int(sequences.viewpoint[row])): (
             sequences.classes[label]

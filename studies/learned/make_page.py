@@ -14,6 +14,7 @@ from filling import fill_page, plain, resized, save_picture, share, table, wrapp
 from matplotlib.figure import Figure
 
 from classifier_settings.half import choosing_objects
+from learned.curves import FRAMES as CURVE_FRAMES
 from learned.study import FRAMES, PIPELINES, STRATEGIES, TOUCHES
 from learned.training import OPTIONS, taken
 from visuohaptic.evaluation.intervals import (
@@ -93,7 +94,22 @@ def tried_blocks() -> dict[str, str]:
         for name, one in found.items()
         if name != "own"
     ]
-    return {"training": table(heads, rows), "taken": wrapped(taken_sentence(found))}
+    curves = pd.read_json(FOLDER / "curves.json")
+    return {
+        "training": table(heads, rows),
+        "taken": wrapped(taken_sentence(found)),
+        "curves": table(
+            ["known of the pose", *curves["training_objects"].unique()], curve_lines(curves)
+        ),
+    }
+
+
+def curve_lines(curves: pd.DataFrame) -> Iterator[list[object]]:
+    """Yield a line per known part of the pose: the accuracies of both pipelines, by number of training objects."""
+    for frame in CURVE_FRAMES:
+        by_count = curves[curves["frame"] == frame].groupby("training_objects", sort=False)
+        means = (part.set_index("pipeline")["mean"] for _, part in by_count)
+        yield [KNOWN[frame], *(" → ".join(share(one[name]) for name in PIPELINES) for one in means)]
 
 
 def spread(gain: Sequence[float]) -> str:

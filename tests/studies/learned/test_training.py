@@ -1,6 +1,7 @@
 """The options of what the network trains on, the rule that takes one in, and the page from the kept scores."""
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from sklearn.model_selection import StratifiedGroupKFold
 from classifier_settings.half import choosing_objects
 from learned.changed import draw_lots
 from learned.choose import FOLDS
+from learned.curves import training_objects
 from learned.training import (
     FEWER_TOUCHES,
     OPTIONS,
@@ -156,3 +158,28 @@ def test_the_lots_are_of_changed_views_of_objects_that_chose_nothing():
     assert {(one.before, one.after) for one in shown} == {("cup", "bed")}
     assert 0 not in {one.viewpoint for one in shown}
     assert chose not in {one.key for one in shown}
+
+
+def test_fewer_training_objects_are_a_part_of_more_and_never_tested():
+    train = np.flatnonzero(SEQUENCES.object_index > 1)
+    few, more, whole = (training_objects(SEQUENCES, train, count) for count in (1, 2, None))
+    assert {*few} < {*more} <= {*whole} == {*SEQUENCES.object_index[train]}
+    assert [*np.bincount(SEQUENCES.class_of_object[few])] == [1] * len(SEQUENCES.classes)
+
+
+def test_the_page_has_the_accuracies_by_training_objects():
+    curves = json.loads((FOLDER / "curves.json").read_text())
+    page = (FOLDER / "tried.md").read_text()
+    block = page.split("<!-- curves -->\n")[1].split("<!-- /curves -->")[0]
+    shown = [float(number) for number in re.findall(r"([\d.]+) %", block)]
+    means = {
+        (one["frame"], one["training_objects"], one["pipeline"]): one["mean"] for one in curves
+    }
+    expected = [
+        100 * means[frame, count, pipeline]
+        for frame in ("full", "none")
+        for count in ("2 objects", "4 objects", "8 objects", "all")
+        for pipeline in ("order_free", "learned")
+    ]
+    assert {one["objects"] for one in curves} == {75}
+    assert shown == pytest.approx(expected, abs=0.05 + 1e-9)
