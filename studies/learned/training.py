@@ -5,8 +5,9 @@ Sequences and scores that lie in folder `--touched` are read instead of measured
 
 The rule, written before any score was computed:
 
-1. A gain is that over training with the touches of the tested strategy only, on the choosing objects in five folds of
-   whole objects: a mean over the frames ``full`` and ``none``, and over fixation and random places in reach.
+1. A gain is the accuracy minus the accuracy after training with the touches of the tested strategy only, on the
+   choosing objects in five folds of whole objects: a mean over the frames ``full`` and ``none``, and over fixation and
+   random places in reach.
 2. An option is taken in if the interval of its gain is above 0, it loses in no frame, a model of 142 objects is fitted
    within 300 processor seconds, and it needs no touches that a run does not make. Of several, the one with the largest
    gain is taken, and of those within 0.3 points, the one with the fewest steps of training.

@@ -94,9 +94,9 @@ def blocks_of_scores() -> dict[str, str]:
         f"**The rule takes another score in, but on the test classes it notices fewer unknown objects.** The score *{best}* "
         f"has the largest area, {gain['gain']:.3f} more than today's ({gain['low']:.3f} to {gain['high']:.3f}, p "
         f"{gain['p_value']:.2g}). Of {strange['objects']} objects of the test classes it calls {share(strange[best], 0)} "
-        f"unknown, and today's score {share(strange[today], 0)}. By mistake it does so for {share(known[best], 0)} of "
-        f"{known['objects']} held-out objects of known classes, today's for {share(known[today], 0)}: at the same level it is "
-        f"the more cautious one. The package's model has today's score."
+        f"unknown, and today's score {share(strange[today], 0)}. By mistake it calls {share(known[best], 0)} of "
+        f"{known['objects']} held-out objects of known classes unknown, and today's score {share(known[today], 0)}: at the "
+        f"same level the new score is more cautious. The package's model has today's score."
     )
     rows = [
         [f"{name} (today's)" if name == today else name, f"{areas[name]:.3f}"]

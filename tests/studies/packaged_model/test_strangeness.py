@@ -92,6 +92,6 @@ def test_the_page_says_what_was_measured():
         f"it calls {100 * strange[best]:.0f} % unknown, and today's score {100 * strange[TODAY]:.0f} %"
         in page
     )
-    assert f"for {100 * known[best]:.0f} % of {known['objects']} held-out objects" in page
+    assert f"it calls {100 * known[best]:.0f} % of {known['objects']} held-out objects" in page
     for name, area in areas.items():
         assert re.search(rf"\| {re.escape(name)}( \(today's\))? \| {area:.3f} \|", page)
