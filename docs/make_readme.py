@@ -106,7 +106,8 @@ def recognised(metrics: dict[str, Any]) -> str:
         f"{ours} by ours (`order_free`; guessing: {percent(1 / categories, 0)}; {counted(own[0].objects, 'object')}). On "
         f"[{counted(len(kept.objects), 'object')} in {counted(classes, 'class')}](docs/meshes.md) the pipelines are right in "
         f"{shares['none']} if objects stand upright and face one way, mostly by "
-        f"[where the arm is](studies/cues/README.md), and in {shares['any']} if they are turned in any way."
+        f"[where the arm is](studies/cues/README.md), and in {shares['any']} if they are turned in any way "
+        f"(guessing: {percent(1 / classes, 0)})."
     )
 
 
