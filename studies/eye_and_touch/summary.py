@@ -23,7 +23,14 @@ from eye_and_touch.study import (
 from visuohaptic.evaluation.intervals import compare_paired, object_interval
 from visuohaptic.parameters import CostParameters
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.studies.figures import Cell, Row, average_objects, ends, rows_by
+from visuohaptic.studies.figures import (
+    Cell,
+    Row,
+    average_objects,
+    ends,
+    paired_with_classes,
+    rows_by,
+)
 from visuohaptic.tables.phases import owners_of
 from visuohaptic.tables.schema import matrix
 
@@ -127,13 +134,12 @@ class _Summary:
         }
 
     def gain(self, first: Cell, second: Cell, over: str) -> Row:
-        """Return the gain of the first cell over the second, in pairs over objects; `over` names the second."""
+        """Return the gain of the first cell over the second with both intervals, paired over objects; `over` names the second."""
         classes = [category for category, _ in first.objects]
         comparison = compare_paired(
             first.accuracy, second.accuracy, first.weights, self.intervals, classes
         )
-        difference = ends("difference", "", comparison.difference)
-        return {"over": over, **difference, "p_value": comparison.p_value}
+        return {"over": over, **paired_with_classes("difference", "p_value", comparison)}
 
     def sight(self, sight: str) -> Row:
         """Return the answers of all senses in one sight, and their gains over the better sense."""

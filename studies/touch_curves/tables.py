@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from visuohaptic.tables.phases import CELL_KEYS
 from visuohaptic.tables.schema import REAL, Column, Schema, count, difference, share
-from visuohaptic.tables.studies import P_VALUE
+from visuohaptic.tables.studies import P_VALUE, difference_of_classes
 
 TOUCHES_NEEDED = Schema(
     "touches_needed",
@@ -30,6 +30,7 @@ TOUCHES_NEEDED = Schema(
         share("area_high", "upper end of its interval over objects"),
         *difference("gain", "area under fixation's curve less this one"),
         P_VALUE,
+        *difference_of_classes("gain", "p_value"),
         count("objects", "objects compared", 1),
     ),
 )

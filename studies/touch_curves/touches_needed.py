@@ -21,7 +21,7 @@ from visuohaptic.studies.figures import (
     condition_interval,
     ends,
     nested,
-    paired,
+    paired_with_classes,
     read_cells,
     write_json,
 )
@@ -134,4 +134,4 @@ def _area(
     if reference and reference is not curve and reference[0].objects == curve[0].objects:
         classes = [category for category, _ in curve[0].objects]
         compared = compare_paired(curve_areas(reference), areas, weights, intervals, classes)
-    return {**ends("area", "area_", area), **paired("gain", "p_value", compared)}
+    return {**ends("area", "area_", area), **paired_with_classes("gain", "p_value", compared)}

@@ -153,7 +153,7 @@ def study_figures(
                 "recomputed": condition["recomputed"],
                 "compared_with": None if other == key.condition else other,
                 **_figures(cells[key], cells.get(key._replace(condition=other)), intervals),
-                **_paired_with_classes("lead", "lead_p", compare(leader, cells[key], intervals)),
+                **paired_with_classes("lead", "lead_p", compare(leader, cells[key], intervals)),
             }
         )
     _adjust(rows)
@@ -211,10 +211,10 @@ def _figures(cell: Cell, other: Cell | None, intervals: IntervalParameters) -> R
     row |= dict.fromkeys(("accuracy", "low", "high", "adjusted_p"))
     if cell.error is None:
         row |= ends("accuracy", "", condition_interval(cell, intervals))
-    return row | _paired_with_classes("difference", "p_value", compare(cell, other, intervals))
+    return row | paired_with_classes("difference", "p_value", compare(cell, other, intervals))
 
 
-def _paired_with_classes(name: str, p_value: str, comparison: PairedComparison | None) -> Row:
+def paired_with_classes(name: str, p_value: str, comparison: PairedComparison | None) -> Row:
     """Return the columns of `paired`, and those of its interval and p value of new classes."""
     wide = comparison.difference_new_classes if comparison else None
     low, high = list(ends(name, "", wide).values())[1:]

@@ -2,6 +2,7 @@
 
 from itertools import product
 
+import numpy as np
 import pytest
 
 from eye_and_touch.seeing import SIGHTS
@@ -18,6 +19,7 @@ from eye_and_touch.study import (
 )
 from eye_and_touch.summary import cells_of, sum_up_senses
 from eye_and_touch.tables import EYE_AND_TOUCH
+from visuohaptic.evaluation.intervals import compare_differences
 from visuohaptic.parameters import CostParameters
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.tables.schema import build_rows, names_of
@@ -25,14 +27,15 @@ from visuohaptic.tables.schema import build_rows, names_of
 COST = CostParameters(budgets=(5, 12), touch_seconds=5, look_seconds=0.5)
 INTERVALS = IntervalParameters()
 TOUCHES = 2
+CLASSES = ("cup", "lamp")
 
 
 def rows_of(key, accuracy, seconds):
-    """Return two objects of each of two splits, a trial of each is surely right or wrong."""
+    """Return two objects of each of two splits, with a class per split; a trial of each is surely right or wrong."""
     for split, share in enumerate(accuracy):
         gaps = [0.0] * 9 + [4 * (share - 1)]
         for number in range(2):
-            yield (*key, "cup", f"cup{split}{number}", split, 0, 4, share, seconds, gaps)
+            yield (*key, CLASSES[split], f"{split}{number}", split, 0, 4, share, seconds, gaps)
 
 
 def table_of(accuracy_of):
@@ -86,6 +89,22 @@ def test_both_senses_are_compared_with_the_better_of_their_parts(found):
         lead = 0.25 if one["sight"] == CLEAN else 0.5
         assert one["gains"][TOUCH]["difference"] == pytest.approx(lead)
         assert one["gains"][TOUCH]["over"] == LOOK
+
+
+def test_a_gain_has_the_intervals_of_new_objects_and_of_new_classes():
+    def answered(_sight, answer, _strategy, _touches):
+        return (1.0, 0.5) if answer == TOUCH else (0.5, 0.5)
+
+    found = sum_up_senses(table_of(answered), COST, TOUCHES, INTERVALS)
+    gain = found["sights"][0]["gains"][TOUCH]
+    differences = np.array([0.5, 0.5, 0.0, 0.0])
+    same = compare_differences(differences, np.ones(4), INTERVALS, classes=[0, 0, 1, 1])
+    objects, classes = same.difference, same.difference_new_classes
+    assert classes.high - classes.low >= objects.high - objects.low
+    assert gain["difference"] == 0.25
+    assert [gain["difference_low"], gain["difference_high"]] == [objects.low, objects.high]
+    wide = [gain["difference_new_classes_low"], gain["difference_new_classes_high"]]
+    assert wide == [classes.low, classes.high]
 
 
 def test_a_budget_buys_as_many_touches_as_fit_and_blind_ones_pay_no_look(found):

@@ -73,8 +73,12 @@ def test_gains_are_those_of_fixations_and_paired():
     assert found["fixation"]["gain"] is None
     for name, gain in (("random", 0.1), ("curvature", 0.3)):
         assert found[name]["gain"] == pytest.approx(gain)
-        same = compare_differences(np.full(4, gain), np.ones(4), INTERVALS)
+        classes = [0, 1, 0, 1]
+        same = compare_differences(np.full(4, gain), np.ones(4), INTERVALS, classes=classes)
         assert found[name]["gain_low"] == same.difference.low
+        wide = same.difference_new_classes
+        assert found[name]["gain_new_classes_low"] == pytest.approx(wide.low)
+        assert found[name]["gain_new_classes_high"] == pytest.approx(wide.high)
         assert found[name]["p_value"] == pytest.approx(same.p_value)
 
 
