@@ -358,7 +358,6 @@ def read_parameters(path: str | Path) -> ExperimentParameters:
     Returns
     -------
     ExperimentParameters
-        The parameters.
 
     Raises
     ------
@@ -385,11 +384,6 @@ def as_parameters(
     values : ExperimentParameters, mapping or None
         A mapping has sections as in ``params.yaml``, dotted names such as ``"sensor.resolution"``, or both. None
         means defaults.
-
-    Returns
-    -------
-    ExperimentParameters
-        The parameters.
 
     Raises
     ------

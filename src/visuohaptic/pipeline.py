@@ -32,21 +32,10 @@ _READ = {name for phase in PHASES for name in phase.inputs}
 
 
 def run(subject: Subject, parameters: ExperimentParameters, tables: Tables | None = None) -> Tables:
-    """Run the phases of one object in memory; the results equal those of the workflow.
+    """Run the phases of one object in memory; the results equal the results of the workflow.
 
-    Parameters
-    ----------
-    subject : Subject
-        The object and its viewpoints.
-    parameters : ExperimentParameters
-        The parameters.
-    tables : mapping of str to pyarrow.Table, optional
-        Existing results by name. Only the phases after the last of them run.
-
-    Returns
-    -------
-    mapping of str to pyarrow.Table
-        `tables`, ``features``, and all new tables that a later phase reads.
+    `tables` has existing results by name: only the phases after the last of these results run. The returned mapping has
+    `tables`, ``features``, and all new tables that a later phase reads.
     """
     if tables:
         return _run_remaining(subject, parameters, tables)

@@ -91,28 +91,10 @@ def _accuracies(rows: pa.Table) -> DrawnAccuracies:
 def read_draws(
     name: str, pipeline: str, folder: Path = FOLDER, opponent: str = "random"
 ) -> KeptDraws | None:
-    """Read the kept draws of a set of objects, a pipeline and a strategy of random places.
+    """Read the kept draws of a set of objects and a pipeline; return None if no draws are kept.
 
-    Parameters
-    ----------
-    name : str
-        The set of objects.
-    pipeline : str
-        The pipeline.
-    folder : Path
-        The folder of the kept tables.
-    opponent : str
-        The strategy of the random places.
-
-    Returns
-    -------
-    KeptDraws or None
-        The draws; None where none are kept.
-
-    Raises
-    ------
-    ReportError
-        If a file is damaged.
+    `name` is the set of objects. `opponent` is the strategy of the random places. Raises `ReportError` if a file is
+    damaged.
     """
     kept = read_kept(folder).get(name)
     if kept is None or pipeline not in kept.pipelines:

@@ -42,7 +42,6 @@ class PredictorRow:
     Attributes
     ----------
     predictor : Predictor
-        The predictor.
     measures : mapping of str to Interval
         Mean of each measure of `SHOWN`.
     gain : Interval

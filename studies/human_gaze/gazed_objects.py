@@ -166,27 +166,10 @@ def look_at_folder(
     *,
     tests: bool = True,
 ) -> list[GazedObject]:
-    """Return every recorded object in a folder, sorted by name.
+    """Return every recorded object in a folder, sorted by name; without `tests`, objects for tests are left out.
 
-    Parameters
-    ----------
-    folder : path
-        Folder with recordings and meshes.
-    parameters : ExperimentParameters
-        Viewpoints, rendering, attention and seed.
-    settings : GazeSettings
-        Settings of reading and spreading.
-    processes : int
-        Number of processes.
-    track : callable
-        ``track(files)`` returns the files, and may print progress.
-    tests : bool
-        Whether objects for tests are included.
-
-    Raises
-    ------
-    GazeError, MeshError
-        For the first recording or mesh that can't be used.
+    `folder` has recordings and meshes. ``track(files)`` returns the files, and may print progress. Raises `GazeError`
+    or `MeshError` for the first recording or mesh that can't be used.
     """
     files = [file for file in find_recordings(folder) if tests or not file.is_test]
     if not files:

@@ -93,23 +93,10 @@ def make_adaptive_rows(step: StepInputs) -> None:
 def learning_rows(
     policy: LearningPolicy, features: pa.Table, planned: Sequence[Planned], pipeline: str
 ) -> Iterator[pa.Table]:
-    """Choose the touches of each split by a policy, then train and test.
+    """Choose the touches of each split by a policy, then train and test; yield `tables.STUDY` per condition.
 
-    Parameters
-    ----------
-    policy : LearningPolicy
-        The policy.
-    features : pyarrow.Table
-        The table of `make_candidates`.
-    planned : sequence of Planned
-        Conditions that differ only in the number of touches.
-    pipeline : str
-        The pipeline to train.
-
-    Yields
-    ------
-    pyarrow.Table
-        `tables.STUDY` per condition; column ``strategy`` is the name of the policy.
+    `features` is the table of `make_candidates`. The conditions `planned` differ only in the number of touches. Column
+    ``strategy`` has the name of the policy.
     """
     keys = [(TOUCH_CURVES.name, each.condition.name, pipeline, policy.name) for each in planned]
     classifiers = (HEADLINE_CLASSIFIERS[pipeline],)

@@ -63,22 +63,8 @@ class Candidates:
 def gather_candidates(features: pa.Table, names: Sequence[str]) -> Candidates:
     """Gather the candidates of all viewpoints, sorted by class, object, viewpoint and touch.
 
-    Parameters
-    ----------
-    features : pyarrow.Table
-        Rows of `tables.FEATURES` of strategy ``adaptive``.
-    names : sequence of str
-        The columns to take. ``contact_…`` are columns of the contact's state.
-
-    Returns
-    -------
-    Candidates
-        The candidates.
-
-    Raises
-    ------
-    RecognitionError
-        If the table is empty.
+    `features` has rows of `tables.FEATURES` of strategy ``adaptive``. `names` are the columns to take; names with
+    ``contact_…`` are columns of the contact's state. Raises `RecognitionError` if the table is empty.
     """
     if not len(features):
         raise RecognitionError(

@@ -64,7 +64,6 @@ class PolicySession:
     viewpoint : int
         The number of the viewpoint.
     policy : Policy
-        The policy.
     view : PolicyView
         First argument of the policy: the surface, the camera and a random generator.
     unreachable : {"replace", "skip", "keep"}
@@ -250,11 +249,6 @@ def touch_by_policies(
 
     The parameters are those of `touches.acquiring.acquire_touches`. `most` is the most touches of a sequence;
     `unreachable` is the treatment of locations out of reach, which a policy's own ``unreachable`` overrides.
-
-    Returns
-    -------
-    Tries
-        All tries and touches.
 
     Raises
     ------

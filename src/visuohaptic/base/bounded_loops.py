@@ -8,19 +8,10 @@ from visuohaptic.base.errors import EndlessLoopError
 
 
 def turns(most: int, loop: str) -> Iterator[int]:
-    """Yield the number of each turn, from 0.
+    """Yield the number of each turn, from 0, of a loop that can need at most `most` turns.
 
-    Parameters
-    ----------
-    most : int
-        Largest number of turns that the loop can need.
-    loop : str
-        Name of the loop for the error, such as ``the shrinking of squares``.
-
-    Raises
-    ------
-    EndlessLoopError
-        If the loop asks for a further turn.
+    `loop` names the loop in the error, such as ``the shrinking of squares``. Raises `EndlessLoopError` if the loop asks
+    for a further turn.
     """
     yield from range(most)
     raise EndlessLoopError(

@@ -29,26 +29,10 @@ SetOption = Annotated[
 def read_parameters_and_settings(
     path: Path | None, settings: Sequence[str] | None
 ) -> ExperimentParameters:
-    """Read parameters, and replace the values that ``name=value`` texts set.
+    """Read parameters, and replace the values that ``name=value`` texts set, in YAML by dotted name.
 
-    Parameters
-    ----------
-    path : Path or None
-        File of the parameters; None for the defaults.
-    settings : sequence of str or None
-        Values in YAML by dotted name, such as ``sensor.resolution=16``.
-
-    Returns
-    -------
-    ExperimentParameters
-        The parameters, equal to the parameters of a file with the new values.
-
-    Raises
-    ------
-    ParameterError
-        If the file or a setting is not allowed; the message begins with the file or with ``--set``.
-    PlugInError
-        If a plug-in can't be loaded.
+    Without a path, other parameters have their defaults. The result equals the parameters of a file with the new
+    values. Errors are as in `read_parameters`; a message of `ParameterError` begins with the file or with ``--set``.
     """
     from visuohaptic.io.plugins import load_files
     from visuohaptic.io.yaml_files import read_setting, read_yaml

@@ -190,23 +190,9 @@ def class_interval(
 ) -> Interval:
     """Compute the weighted mean of the objects' values and its interval of new classes.
 
-    Parameters
-    ----------
-    values, weights, parameters, bounds
-        As in `object_interval`.
-    classes : sequence of length o
-        The class of each object: numbers or names.
-
-    Returns
-    -------
-    Interval
-        The mean of `object_interval`. The interval contains that of `object_interval`, and Student's interval of the
-        means of classes, with one degree of freedom fewer than classes. With one class both ends are NaN.
-
-    Raises
-    ------
-    ValueError
-        As in `object_interval`.
+    `classes` has length o: the class of each object, as numbers or names. Other parameters, the mean and the errors
+    are as in `object_interval`. The interval contains the interval of `object_interval`, and Student's interval of the
+    means of classes, with one degree of freedom fewer than classes. With a single class both ends are NaN.
     """
     objects = object_interval(values, weights, parameters, bounds)
     means = _class_means(np.clip(values, *bounds), weights, classes)

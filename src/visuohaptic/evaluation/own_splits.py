@@ -26,20 +26,9 @@ Splits = int | Iterable[Collection[str]] | Any | None
 def choose_splits(
     sequences: TouchSequences, protocol: ProtocolParameters, seed: int, splits: Splits
 ) -> list[Split]:
-    """Split sequences into training and test sequences.
+    """Split sequences into training and test sequences, as argument `splits` of `evaluating.evaluate` says.
 
-    Parameters
-    ----------
-    sequences : TouchSequences
-        The sequences to split.
-    protocol : ProtocolParameters
-        The protocol of the experiment.
-    seed : int
-        The experiment's seed.
-    splits : int, iterable or scikit-learn splitter, optional
-        None: all splits of the protocol. A number n: a balanced sample of n combinations of one test object per
-        class, or the first n folds. An iterable: one list of test objects, ``class/name``, per split; all other
-        objects are training objects. A splitter gets the objects as `groups`, and gives indices or masks of sequences.
+    `protocol` and `seed` are the experiment's.
 
     Returns
     -------
@@ -49,10 +38,11 @@ def choose_splits(
     Raises
     ------
     ParameterError
-        If `splits` has another type, is empty, or contains an object that was not touched.
+        If `splits` has another type, is empty or below 1, or contains an object that was not touched.
     RecognitionError
-        If a splitter fails or gives something else than indices or masks of sequences, or if a split has no test
-        object, trains and tests the same object, or tests a class that has no training object.
+        If there are fewer than two classes, or `draw_splits` refuses the protocol. Also if a splitter fails or returns
+        something else than indices or masks of sequences, or if a split has no test object, trains and tests the same
+        object, or tests a class that has no training object.
     """
     if splits is None:
         return draw_splits(sequences, protocol, seed)

@@ -24,12 +24,10 @@ def example(name: str) -> TouchableObject:
     Parameters
     ----------
     name : {"bottle", "car", "chair", "quadruped"}
-        Name of the example.
 
     Returns
     -------
     TouchableObject
-        The object.
 
     Raises
     ------

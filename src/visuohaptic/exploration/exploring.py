@@ -424,21 +424,7 @@ class Exploration:
         The model has the touches of a viewpoint, numbered in order, and the squares of the sensor on the surface. The
         reader chooses the viewpoint, and sees the imprint of a number.
 
-        Parameters
-        ----------
-        path : path, optional
-            HTML file to write, which is then not opened. By default the model is shown in the notebook; outside of a
-            notebook, a new file is opened in the browser.
-
-        Returns
-        -------
-        pathlib.Path or None
-            The file, one page that needs no network; None in a notebook without `path`.
-
-        Raises
-        ------
-        ParameterError
-            If `path` is a folder.
+        `path`, the result and the errors are as in `TouchableObject.show`.
         """
         figure = exploration_figure(
             self.key, self.surface, self.parameters, self.strategy, self.views, self.touches
@@ -451,7 +437,6 @@ class Exploration:
         Returns
         -------
         PIL.Image.Image
-            The picture.
         """
         return draw_exploration(self.surface, self.parameters, self.views, self.touches)
 
@@ -470,7 +455,6 @@ class Exploration:
         Returns
         -------
         list of pathlib.Path
-            The files.
         """
         folder = Path(folder)
         poses = ["poses.csv"] if self.frame.has_way_back else []
@@ -610,7 +594,6 @@ def load(
     Returns
     -------
     TouchableObject
-        The object.
 
     Raises
     ------

@@ -89,26 +89,9 @@ def exploration_figure(
 
 
 def show_figure(figure: ModelFigure, line: str, path: str | Path | None) -> Path | None:
-    """Show a figure with its caption `line`: in a notebook inline, otherwise as a page in the browser.
+    """Show a figure with the caption `line`: in a notebook inline, otherwise as a page in the browser.
 
-    Parameters
-    ----------
-    figure : ModelFigure
-        The figure.
-    line : str
-        One line about the figure.
-    path : path, optional
-        File to write instead, which is not opened.
-
-    Returns
-    -------
-    pathlib.Path or None
-        The HTML file; None in a notebook without `path`.
-
-    Raises
-    ------
-    ParameterError
-        If `path` is a folder.
+    `path`, the result and the errors are as in `TouchableObject.show`.
     """
     if path is not None and Path(path).is_dir():
         raise ParameterError(

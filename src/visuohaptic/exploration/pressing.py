@@ -108,7 +108,6 @@ class Pressed:
         Returns
         -------
         PIL.Image.Image
-            The picture.
         """
         shown = self.images[:_MOST_PICTURED]
         tiles = [

@@ -73,7 +73,6 @@ def read_recogniser(path: str | Path | None = None) -> Recogniser:
     Returns
     -------
     Recogniser
-        The model and the parameters of its training touches.
 
     Raises
     ------

@@ -28,7 +28,6 @@ class Viewpoint:
     caster : RayCaster
         The object's surface, prepared for rays.
     camera : Camera
-        The camera.
     """
 
     key: str

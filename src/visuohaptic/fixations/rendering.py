@@ -98,7 +98,6 @@ def render_views(
     caster : RayCaster
         The surface, prepared for rays.
     cameras : sequence of Camera
-        The cameras.
     parameters : RenderingParameters
         Rows and columns of a view, share of ambient light, and grey level of the background.
     modes : VisualModes, optional
@@ -273,7 +272,7 @@ def _normals_towards(
     flat = caster.face_normal_rows.take(faces, axis=1)
     away = np.where(dot_rows(flat, directions.T) > 0.0, -1.0, 1.0)
     normals = away * shape.normals(faces, weights).T
-    # Near the outline an interpolated normal may point away although its facet is visible. Take the facet's normal.
+    # Near the outline an interpolated normal may point away although its facet is visible.
     averted = np.flatnonzero(dot_rows(normals, directions.T) >= 0.0)
     normals[:, averted] = away[averted] * flat[:, averted]
     return normals.T

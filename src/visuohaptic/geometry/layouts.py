@@ -92,7 +92,6 @@ class Layout:
         Returns
         -------
         Layout
-            The layout.
 
         Raises
         ------

@@ -76,7 +76,7 @@ def _candidates(surface: Surface, cells: FloatArray) -> Iterator[tuple[IntArray,
     if not len(faces):
         return
     _, heads, group = np.unique(group, return_index=True, return_inverse=True)
-    # Compare along the axis that is most nearly parallel to the plane of the group.
+    # Along an axis across the plane, the intervals of all faces of a group would overlap.
     axis = np.abs(surface.face_normals[faces[heads]]).argmin(axis=1)[group]
     along = np.take_along_axis(surface.triangles[faces], axis[:, None, None], axis=2)[..., 0]
     stride = 2.0 * np.ptp(along) + 1.0

@@ -23,25 +23,11 @@ def make_scores(
     parameters: RecognitionParameters,
     seed: int,
 ) -> None:
-    """Write the score and prediction tables of one pipeline.
+    """Train and test a pipeline on the touches by each strategy, and write the scores and predictions.
 
-    Parameters
-    ----------
-    features : sequence of path
-        Parquet files of `tables.FEATURES`.
-    scores, predictions : mapping of str to path
-        Output file of each strategy.
-    pipeline : {"paper", "order_free"}
-        Pipeline to run.
-    parameters : RecognitionParameters
-        Settings of recognition.
-    seed : int
-        Seed of splits and fits.
-
-    Raises
-    ------
-    RecognitionError
-        If the features have no touch of a strategy, or not enough objects, viewpoints or touches.
+    `features` are Parquet files of `tables.FEATURES`. `scores` and `predictions` have the output file of each strategy.
+    `pipeline` is a name that `pipeline_of` takes. Other parameters are as in `run_pipeline`, and errors as in
+    `take_strategy` and `run_pipeline`.
     """
     touched = read_table(FEATURES, features)
     for strategy, output in scores.items():

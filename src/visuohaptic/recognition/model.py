@@ -55,26 +55,15 @@ from visuohaptic.tables.schema import known_columns
 class ModelAnswer:
     """Answer of a model for one object.
 
+    The optional attributes are as in `exploration.exploring.Recognition`. All are None if
+    `RecognitionModel.certainties` has no entry for the strategy of the touches. `unknown` is also None if `compared` is
+    below `parameters.least_known_objects`.
+
     Attributes
     ----------
     probabilities : dict of str to float
         Probability of each class, the likeliest class first. In pipeline ``paper``, the share of the object's
         sequences that were classified as the class.
-    candidates : tuple of str, optional
-        The prediction set and the likeliest class, the likeliest class first.
-    novelty_rank : float, optional
-        Share of objects with a lower novelty, among the n training objects and this object: in [0, n / (n + 1)].
-    unknown : bool, optional
-        Whether the novelty_rank is at least `coverage`, so that the object seems to be of no known class. Also None if
-        n is below `parameters.least_known_objects`.
-    coverage : float, optional
-        Stated smallest share of objects of known classes with their class in `candidates`, in (0, 1).
-    compared : int, optional
-        The number n of training objects with which the object was compared.
-
-    Notes
-    -----
-    The optional attributes are None if `RecognitionModel.certainties` has no entry for the strategy of the touches.
     """
 
     probabilities: dict[str, float]

@@ -28,29 +28,11 @@ def make_model(
     touching: Mapping[str, object],
     seed: int,
 ) -> None:
-    """Fit a model on all objects of a run, and write the model.
+    """Fit a model on the touches by `strategies` of all objects of a run, and write the file `model`.
 
-    Parameters
-    ----------
-    features : sequence of path
-        Parquet files of `tables.FEATURES`.
-    model : path
-        Output file.
-    pipeline, classifier : str
-        Pipeline and classifier to fit.
-    strategies : sequence of str
-        Strategies whose touches are used.
-    recognition : RecognitionParameters
-        Settings of the fit.
-    touching : mapping of str to object
-        Parameters that made the touches; stored as JSON.
-    seed : int
-        Seed of the fit.
-
-    Raises
-    ------
-    RecognitionError
-        If the table has no touch of a strategy, or `fit_model` can't fit the features.
+    `features` are Parquet files of `tables.FEATURES`. `touching` has the parameters that made the touches; the model
+    stores `touching` as JSON. Other parameters are as in `fit_model`, which names `recognition` `parameters`. Errors
+    are as in `take_strategy` and `fit_model`.
     """
     table = read_table(FEATURES, features)
     parts = [take_strategy(table, name, recognition.touches)[0] for name in strategies]

@@ -234,19 +234,10 @@ def _members(y: Any, groups: Any) -> list[list[Any]]:
 def leave_one_out_per_class(
     members: Sequence[Sequence[int]], maximum: int, generator: np.random.Generator
 ) -> list[tuple[int, ...]]:
-    """Return the test objects of each split: one object per class.
+    """Return the test objects of each split: one object per class, out of the objects `members` of each class.
 
     These are all combinations of one object per class, if at most `maximum`. Otherwise `maximum` distinct combinations
     are drawn. Each object of a class is then tested in k or k + 1 splits, with the same k for the whole class.
-
-    Parameters
-    ----------
-    members : sequence of sequence of int
-        Objects of each class.
-    maximum : int
-        Maximum number of splits.
-    generator : numpy.random.Generator
-        Draws the combinations.
     """
     if math.prod(len(objects) for objects in members) <= maximum:
         return list(itertools.product(*members))
@@ -284,17 +275,9 @@ def grouped_folds(
 ) -> list[tuple[int, ...]]:
     """Return the objects of each fold, ascending; the folds are stratified by class.
 
-    The numbers of objects differ by at most 1 between folds, in total and per class. A class with fewer objects than
-    folds is not in every fold.
-
-    Parameters
-    ----------
-    members : sequence of sequence of int
-        Objects of each class.
-    folds : int
-        Maximum number of folds. There are at most as many as objects in the largest class.
-    generator : numpy.random.Generator
-        Draws the folds.
+    `members` has the objects of each class. There are at most `folds` folds, and at most as many as objects in the
+    largest class. The numbers of objects differ by at most 1 between folds, in total and per class. A class with fewer
+    objects than folds is not in every fold.
     """
     return _deal(members, min(folds, max(len(objects) for objects in members)), generator)
 

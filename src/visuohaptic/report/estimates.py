@@ -70,7 +70,6 @@ def read_json(path: Path, make: Callable[[Any], Made], fault: str, way_out: str)
     Parameters
     ----------
     path : Path
-        The file.
     make : callable
         Converts the value that the JSON text holds.
     fault : str

@@ -31,18 +31,9 @@ def make_report(
     parameters: ExperimentParameters,
     objects: Sequence[str],
 ) -> None:
-    """Write the report of a run; the file is written atomically.
+    """Write the report of a run to the HTML file `output`; the file is written atomically.
 
-    Parameters
-    ----------
-    files : RunFiles
-        The run's files.
-    output : path
-        The HTML file to write.
-    parameters : ExperimentParameters
-        The run's parameters.
-    objects : sequence of str
-        All objects of the set, `class/name`.
+    `files`, `parameters` and `objects` are as in `run.read_run`.
     """
     page = render_page(read_run(files, parameters, objects))
     atomic_write_text(output, page)

@@ -48,7 +48,6 @@ class Answer:
     Attributes
     ----------
     question : str
-        The question.
     finding : str
         The answer in a few words.
     number : str
@@ -167,7 +166,6 @@ def lead_answer(question: Question, leads: Sequence[Lead]) -> Answer:
     Parameters
     ----------
     question : {"seeing", "salience"}
-        The question.
     leads : sequence of Lead
         The leads of the run, of all questions, the paper's pipeline first. Without a lead of the question, the answer
         says which touches the answer needs.

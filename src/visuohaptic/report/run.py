@@ -240,21 +240,12 @@ class Run:
 
 
 def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequence[str]) -> Run:
-    """Read the tables of a run into memory.
-
-    Parameters
-    ----------
-    files : RunFiles
-        The run's files.
-    parameters : ExperimentParameters
-        The run's parameters.
-    objects : sequence of str
-        `Run.all_objects`.
+    """Read the tables of a run into memory; `objects` become `Run.all_objects`.
 
     Raises
     ------
     ReportError
-        If the file of metrics can't be read, or lacks one of these entries.
+        If the file of metrics can't be read, or lacks an entry of `Run.metrics`.
     TableError
         If a table does not fit its schema.
     """
@@ -285,17 +276,8 @@ def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequenc
 def extra_paths(run: str | Path, checkout: str | Path) -> dict[str, Path]:
     """Return paths of files and folders that not every run has, by name, without a test whether they exist.
 
-    Parameters
-    ----------
-    run : str or Path
-        The run's folder.
-    checkout : str or Path
-        The folder of the repository. Command `make test-hard` writes ``docs/figures/hard_cases.json`` there.
-
-    Returns
-    -------
-    dict of str to Path
-        By ``studies``, ``frontier``, ``effect_influence``, ``evaluation`` and ``hard_cases``.
+    The names are ``studies``, ``frontier``, ``effect_influence``, ``evaluation`` and ``hard_cases``. `checkout` is the
+    folder of the repository, in which command `make test-hard` writes ``docs/figures/hard_cases.json``.
     """
     extras = {name: Path(run, path) for name, path in _EXTRAS.items()}
     return extras | {"hard_cases": Path(checkout, "docs/figures/hard_cases.json")}

@@ -41,22 +41,10 @@ def read_figures(folder: str | Path | None, study: str) -> list[dict[str, Any]]:
 def read_study(
     folder: str | Path | None, study: str, words: Callable[[str], str] = str
 ) -> Row | None:
-    """Read the figures of a study for the page.
+    """Read the figures of a study for the page; return None if the study was not measured.
 
-    Parameters
-    ----------
-    folder : path, optional
-        The folder of the studies' tables.
-    study : str
-        The name of the study.
-    words : callable
-        Returns the name of a condition in words.
-
-    Returns
-    -------
-    mapping or None
-        ``title`` of the study, and ``tables``, one per pipeline and classifier, the paper's pipeline first. None if
-        the study was not measured.
+    `folder` and `study` are as in `read_figures`. `words` returns the name of a condition in words. The result has the
+    ``title`` of the study, and ``tables``, one per pipeline and classifier, the paper's pipeline first.
     """
     rows = read_figures(folder, study)
     if not rows:

@@ -17,16 +17,8 @@ def effect_table(
 ) -> pa.Table:
     """Return the records of one job as rows of `tables.EFFECTS`, one row per effect.
 
-    Parameters
-    ----------
-    key : str
-        The object, ``class/name``.
-    first_viewpoint : int
-        The first viewpoint of the job.
-    scene : str
-        The name of the scene's preset, or ``any`` for effects that no preset sets.
-    records : sequence of EffectRecord
-        One record per effect.
+    `key` is the object, ``class/name``. `first_viewpoint` is the first viewpoint of the job. `scene` is the name of the
+    scene's preset, or ``any`` for effects that no preset sets.
     """
     columns = owner_columns(key) | {"first_viewpoint": first_viewpoint, "scene": scene}
     for field in fields(EffectRecord):

@@ -24,7 +24,6 @@ class TouchBatch:
     Attributes
     ----------
     scene : Scene
-        The scene.
     gaps_m : ndarray of shape (n, *layout.shape), float64
         Distance from each taxel to the object along the taxel's direction, metres.
     cell_edges_m : ndarray of shape (n,), float64

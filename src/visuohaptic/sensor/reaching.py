@@ -20,7 +20,7 @@ def reachable(
     parameters: SensorParameters,
     faces: IntArray | None = None,
 ) -> BoolArray:
-    """Return whether the sensor can reach each location; each result depends only on its own location.
+    """Return whether the sensor can reach each location, shape (n,); each result depends only on its own location.
 
     The smallest pad comes from outside the object, straight along the sensor's normal, until its centre meets the
     location. The location is in reach if no part of the object is higher above a point of the pad than
@@ -28,22 +28,8 @@ def reachable(
 
     If mode `adaptive_size` is ``auto`` or ``always``, touches in reach are never ``blocked`` or ``at_minimum``.
 
-    Parameters
-    ----------
-    caster : RayCaster
-        The object's surface, prepared for rays.
-    points, normals : ndarray of shape (n, 3)
-        Locations and outward unit normals, object frame.
-    parameters : SensorParameters
-        The sensor. The normal is that of `parameters.normal`, the size always `parameters.smallest_size`.
-    faces : ndarray of shape (n,), int64, optional
-        Faces under the locations. If `parameters.normal` is ``face``, the sensor takes their normals; without `faces`
-        it takes `normals`.
-
-    Returns
-    -------
-    ndarray of shape (n,), bool
-        True for locations in reach.
+    The parameters are as in `sensing.touch`. The sensor has the normal of `parameters.normal`, and always the size
+    `parameters.smallest_size`.
     """
     poses = sensor_poses(caster, points, normals, parameters, faces)
     parts = [_reachable_batch(caster, poses[rows], parameters) for rows in batches(len(poses))]

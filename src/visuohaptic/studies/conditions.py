@@ -97,7 +97,6 @@ class Planned:
     Attributes
     ----------
     condition : Condition
-        The condition.
     parameters : ExperimentParameters
         The parameters of the run with the changes of the condition. `plan_study` sets `meshes.turns` and
         `meshes.turn_draw` to the turns that the run's meshes still need, ``none`` if they are turned already.
@@ -135,11 +134,6 @@ def with_changes(
     source : str
         File or condition that error messages name first.
 
-    Returns
-    -------
-    ExperimentParameters
-        The changed parameters.
-
     Raises
     ------
     ParameterError
@@ -171,7 +165,6 @@ def plan_study(study: Study, run: ExperimentParameters, source: str | None = Non
     Parameters
     ----------
     study : Study
-        The study.
     run : ExperimentParameters
         The parameters of the run.
     source : str, optional

@@ -152,7 +152,6 @@ def build_table(schema: Schema, columns: Mapping[str, object]) -> pa.Table:
     Parameters
     ----------
     schema : Schema
-        The schema.
     columns : mapping
         Values of every column of the schema, by name: a NumPy array, list, tuple or pyarrow.ChunkedArray of n
         values. Any other value, such as a string or number, is repeated n times; n is 1 if all values are such.
@@ -267,7 +266,6 @@ def known_columns(schema: Schema, given: object) -> pa.Table:
     Parameters
     ----------
     schema : Schema
-        The schema.
     given : pyarrow.Table, data frame or mapping of arrays
         Any table that Arrow can convert. Text may have any of Arrow's text types or be categorical; numbers may
         have any width, but must fit the schema's type without loss. Columns outside the schema are dropped.

@@ -97,7 +97,6 @@ def make_settings(run: ExperimentParameters, families: Families) -> list[Setting
     for family, names in families.items():
         for place, (name, values) in enumerate(names.items()):
             fields: Any = {key: value for key, value in values.items() if "." not in key}
-            # Leave out values that equal the run's.
             changes = {
                 path: values[path]
                 for path in values
