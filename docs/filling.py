@@ -86,7 +86,9 @@ def measured(folder: Path, sets: Mapping[str, str] = SETS) -> str:
     for name, words in sets.items():
         table = kept_file(folder, name)
         source = read_source(table) if table.exists() else read_figures(folder, name)[1]
-        places.setdefault(f"{source.date}, commit {source.commit[:12]}", []).append(words)
+        # After the 40 digits of a commit stands whether the code had other edits.
+        commit = source.commit[:12] + source.commit[40:]
+        places.setdefault(f"{source.date}, commit {commit}", []).append(words)
     said = "; ".join(f"{listed(words)}: {place}" for place, words in places.items())
     return wrapped(f"Measured once and kept; {said}.")
 
@@ -149,6 +151,19 @@ def lead_with_p(lead: float, p_value: float, adjusted: float) -> str:
     """Write a lead in percentage points with its p value, bold if the p value `adjusted` for all leads is below 0.05."""
     written = f"{points(lead)}, p {probability(p_value)}"
     return f"**{written}**" if adjusted < SIGNIFICANCE else written
+
+
+def lead_in_both(cell: Figures, name: str, adjusted: float) -> str:
+    """Write a lead in percentage points with its intervals of new objects and, after a semicolon, of new classes.
+
+    `name` is the lead's name in the cell. Bold if the p value `adjusted` for all leads is below 0.05.
+    """
+    lead = f"**{points(cell[name])}**" if adjusted < SIGNIFICANCE else points(cell[name])
+    ends = [
+        f"{points(cell[f'{name}{population}_low'])} to {points(cell[f'{name}{population}_high'])}"
+        for population in ("", "_new_classes")
+    ]
+    return f"{lead} ({'; '.join(ends)})"
 
 
 def fill_page(page: Path, blocks: Mapping[str, str]) -> None:

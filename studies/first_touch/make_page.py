@@ -117,26 +117,22 @@ def lead_table(leads: Leads) -> str:
 
 
 def turned_sentence(leads: Leads) -> str:
-    """Return the leads over random places in sight on turned objects, and how many of all `leads` over them stand."""
+    """Return the leads over random places in sight on turned objects, and how many stand after correction for all `leads`."""
     about, any_way = (
         estimate(leads[Place(turns=turns), "random_visible"].difference_new_classes)
         for turns in TURNS
     )
+    adjusted = zip(leads.items(), holm([one.p_value for one in leads.values()]), strict=True)
     turned = [
-        found
-        for (place, rival), found in leads.items()
+        int(np.sign(found.difference.mean)) if p < LEVEL else 0
+        for ((place, rival), found), p in adjusted
         if place.turns != "none" and rival == "random_visible"
     ]
-    stand = [
-        found
-        for found, p in zip(turned, holm([one.p_value for one in turned]), strict=True)
-        if p < LEVEL
-    ]
-    ahead = sum(found.difference.mean > 0 for found in stand)
     return (
         f"On turned objects the lead is, for new classes, {with_interval(about, points)} about the vertical and "
-        f"{with_interval(any_way, points)} in any way. Of {len(turned)} leads over random places in sight there {ahead} "
-        f"stands ahead after Holm's correction, and {len(stand) - ahead} behind."
+        f"{with_interval(any_way, points)} in any way. Of {len(turned)} leads of predicted gaze over random places in "
+        f"sight there {turned.count(1)} stand ahead after Holm's correction for all {len(leads)} leads of predicted gaze, and "
+        f"{turned.count(-1)} behind."
     )
 
 
@@ -201,7 +197,7 @@ def part_sentence(rows: pd.DataFrame) -> str:
         )
     return (
         f"After Holm's correction for all {len(leads)} leads over random places in sight, ahead are {'; '.join(ahead)}. "
-        f"Single channels of saliency lead by {' and '.join(channels)}."
+        f"Single channels of saliency differ by {' and '.join(channels)}."
     )
 
 
@@ -225,17 +221,19 @@ def sentence(rows: pd.DataFrame) -> str:
     gaze, later = (lead(rows, "human", "random_visible", place, INTERVALS) for place in (one, two))
     highest = lead(rows, "human", "highest", one, INTERVALS)
     channels = lead(rows, "gaze_channels", "random_visible", one, INTERVALS)
-    answer = "Yes, on upright objects" if _sign(gaze) > 0 else "Not shown"
+    front = lead(rows, "human", "random_visible", Place(known="vertical"), INTERVALS)
+    answer = "Yes, on upright objects that face a known way" if _sign(gaze) > 0 else "Not shown"
     beside = {1: "worse", 0: "as well, as far as is shown", -1: "better"}[_sign(highest)]
     saliency = "help" if _sign(channels) > 0 else "do not help"
     gone = "is no longer shown" if _sign(gaze) > 0 else "is not shown either"
     stands = "stands" if _sign(later) > 0 else gone
+    turned = "also" if _sign(front) > 0 else "not"
     return (
         f"{answer}. With one touch where people are predicted to look, {share(right)} of the views are right in our pipeline; "
         f"the lead over random places in sight is {_both(gaze)}. The highest visible place, a rule without a model, does "
         f"{beside} (lead over it {_both(highest)}), and the model's channels of saliency by themselves {saliency} "
-        f"({_both(channels)}). With two touches the lead {stands} ({_both(later)}) ({gaze.objects} objects, measured on "
-        f"{rows.attrs['date']})"
+        f"({_both(channels)}). With two touches the lead {stands} ({_both(later)}); with one touch and an unknown front it "
+        f"is {turned} shown ({_both(front)}) ({gaze.objects} objects, measured on {rows.attrs['date']})"
     )
 
 

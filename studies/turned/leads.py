@@ -130,7 +130,7 @@ def question_sentence(question: Question, kept: KeptLeads) -> str:
     """Answer a question by kept leads, with the largest lead and the number of conditions in which a lead is shown."""
     found = verdict(kept.of(question))
     said = _salience(found) if question == "salience" else _seeing(found)
-    return f"{said} ({counted(kept.objects, 'object')}, measured on {listed(kept.dates)})."
+    return f"{said} ({counted(kept.objects, 'object')}, after Holm's correction, measured on {listed(kept.dates)})."
 
 
 def _seeing(found: Verdict) -> str:

@@ -111,8 +111,8 @@ def compared_sentence(many: TurnedSet) -> str:
         for label, (first, second) in compared().items()
     )
     return (
-        f"For objects turned in any way and nothing known of the pose, in pairs over the {many.held_out.sum()} objects, in "
-        f"points: {'; '.join(gains)}."
+        f"For objects turned in any way and nothing known of the pose, in pairs over the {many.held_out.sum()} objects (with "
+        f"20 touches, on both sides, over those with so many in reach), in points: {'; '.join(gains)}."
     )
 
 

@@ -95,6 +95,14 @@ def test_the_answers_name_the_accuracies_of_the_tables(accuracies):
     said = " ".join(block("answers").split())
     headline = pd.read_csv(DEFAULT_RUN / "reports-headline.csv", index_col="figure")["number"]
     paper, ours = (f"{headline[name]:.1f} %" for name in ("fixation", "order_free_fixation"))
+    figures = pd.read_csv(DEFAULT_RUN / "reports-metrics.csv", index_col="figure")["number"]
+    paper, ours = (
+        f"{words} ({100 * figures[f'{name}.low']:.1f} to {100 * figures[f'{name}.high']:.1f})"
+        for words, name in (
+            (paper, "results.paper.fixation.support_vector_machine.accuracy"),
+            (ours, "results.order_free.fixation.linear_discriminant.accuracy"),
+        )
+    )
     assert accuracies["SVM", "fixation"][0] == round(headline["fixation"], 1)
     assert (
         f"in {paper} of cases by the paper's pipeline and in {ours} by ours (`order_free`;" in said
@@ -114,6 +122,12 @@ def test_the_answers_name_the_accuracies_of_the_tables(accuracies):
             ]
             means.append(100 * (rows["accuracy"] * rows["weight"]).sum() / rows["weight"].sum())
         assert "in {:.1f} % and {:.1f} % if {}".format(*means, words) in said
+    rows = kept[
+        (kept["strategy"] == "fixation") & (kept["touches"] == 5) & (kept["known"] == "none")
+    ]
+    rows = rows[rows["turns"] == "any"]
+    unknown = 100 * (rows["accuracy"] * rows["weight"]).sum() / rows["weight"].sum()
+    assert f"({unknown:.1f} % by features that use no pose; guessing" in said
 
 
 def test_the_answers_count_the_leads_of_the_kept_tables():
@@ -125,14 +139,17 @@ def test_the_answers_count_the_leads_of_the_kept_tables():
     assert f"led random places in reach in {len(seeing.ahead)} of {upright} comparisons" in said
     assert f"objects turned in any way they trailed in {len(seeing.behind)} of {turned}, by" in said
     of_classes = verdict(kept.of("seeing"), "classes")
-    assert f"they led in {len(of_classes.ahead)} and trailed in {len(of_classes.behind)}." in said
+    assert (
+        f"they led in {len(of_classes.ahead)} of all {len(seeing.leads)} and trailed in {len(of_classes.behind)} ("
+        in said
+    )
     for leads, end in ((seeing.ahead, max), (seeing.behind, min)):
         assert f"by up to {points(end(lead.difference.mean for lead in leads))}" in said
     assert all(lead.turns in {"none", "vertical"} for lead in seeing.ahead)
     assert {lead.turns for lead in seeing.behind} == {"any"}
     assert not salience.ahead
     assert (
-        f"in none of {len(salience.leads)} comparisons and trailed in {len(salience.behind)};"
+        f"in none of {len(salience.leads)} comparisons and trailed in {len(salience.behind)}, after"
         in said
     )
     largest = max(lead.difference.high for lead in kept.of("salience"))

@@ -29,7 +29,7 @@ def test_no_names_the_largest_lead_that_is_excluded_and_where_fixations_are_behi
         "No, on objects of these classes: in none of 2 conditions are fixations ahead of random places in sight, and a lead "
         "above 4.0 points is excluded (for new classes, above 7.0 points). They are behind in 1, in the paper's pipeline, "
         "upright, turned about the vertical: −8.0 points (new objects −11.0 to −5.0, new classes −14.0 to −2.0) "
-        "(142 objects, measured on 2026-11-28)."
+        "(142 objects, after Holm's correction, measured on 2026-11-28)."
     )
 
 
@@ -56,8 +56,8 @@ def test_seeing_is_said_to_help_in_the_poses_with_a_lead():
         "It can, if objects are upright, facing one way: in 1 of 3 comparisons places that are seen are ahead of random "
         "places in reach, in the paper's pipeline, upright, facing one way: +10.0 points (new objects +7.0 to +13.0, new "
         "classes +4.0 to +16.0). They are behind in 1, in the paper's pipeline, turned in any way: −7.0 points (new objects "
-        "−10.0 to −4.0, new classes −13.0 to −1.0). For new classes they are ahead in 1 and behind in none (142 objects, "
-        "measured on 2026-11-28)."
+        "−10.0 to −4.0, new classes −13.0 to −1.0). For new classes they are ahead in 1 and behind in none (142 objects, after "
+        "Holm's correction, measured on 2026-11-28)."
     )
 
 
