@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from PIL import Image
 
 from visuohaptic.report.drawing import style
-from visuohaptic.report.estimates import Figure as Estimate
+from visuohaptic.report.estimates import Estimate
 from visuohaptic.report.leads import SIGNIFICANCE
 from visuohaptic.report.wording import listed, probability
 from visuohaptic.studies.keeping import kept_file, read_figures, read_source

@@ -21,11 +21,11 @@ from filling import (
     share,
     table,
 )
-from matplotlib.figure import Figure as Chart
+from matplotlib.figure import Figure
 
 from visuohaptic.report import figures
 from visuohaptic.report.drawing import style
-from visuohaptic.report.estimates import Figure, with_interval
+from visuohaptic.report.estimates import Estimate, with_interval
 from visuohaptic.report.wording import pipeline_name
 
 PAGE = DOCS / "claims.md"
@@ -74,9 +74,9 @@ def leads_table(sets: Mapping[str, Figures]) -> str:
     return table(heads, rows).replace("\N{NO-BREAK SPACE}", " ")
 
 
-def lead_of(cell: Figures) -> Figure:
+def lead_of(cell: Figures) -> Estimate:
     """Return the lead of fixation with its interval for new objects."""
-    return Figure(*(cell[name] for name in ("lead", "lead_low", "lead_high")))
+    return Estimate(*(cell[name] for name in ("lead", "lead_low", "lead_high")))
 
 
 def share_table(sets: Mapping[str, Figures]) -> str:
@@ -112,7 +112,7 @@ def change(cell: Figures) -> str:
 
 
 @style()
-def draw(found: Figures, conditions: Mapping[str, str]) -> Chart:
+def draw(found: Figures, conditions: Mapping[str, str]) -> Figure:
     """Draw what conditions change on one set of objects, a row per condition and a mark per pipeline.
 
     `conditions` has the words for each condition.
@@ -121,7 +121,7 @@ def draw(found: Figures, conditions: Mapping[str, str]) -> Chart:
     for place, pipeline in enumerate(pipelines_of(found)):
         cells = [of_classifier(found[pipeline]["fixation"])[one] for one in conditions]
         changes = [
-            Figure(*(cell[name] for name in ("difference", "difference_low", "difference_high")))
+            Estimate(*(cell[name] for name in ("difference", "difference_low", "difference_high")))
             for cell in cells
         ]
         series.append(figures.Series(pipeline_name(pipeline), place, changes))

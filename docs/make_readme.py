@@ -16,7 +16,7 @@ from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.parameters import CostParameters
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.comparison import pipeline_tables
-from visuohaptic.report.estimates import Figure
+from visuohaptic.report.estimates import Estimate
 from visuohaptic.report.leads import SIGNIFICANCE, verdict
 from visuohaptic.report.wording import (
     POSES,
@@ -115,7 +115,7 @@ def recognised(metrics: dict[str, Any], leads: KeptLeads) -> str:
     )
 
 
-def _accuracy(figure: Figure) -> str:
+def _accuracy(figure: Estimate) -> str:
     """Write an accuracy with its interval, such as ``70.0 % (62.1 to 77.8)``."""
     if figure.low is None or figure.high is None:
         return percent(figure.mean)

@@ -12,8 +12,7 @@ from matplotlib.figure import Figure
 from human_gaze.agreement_means import summarise
 from human_gaze.section import KEPT as GAZE
 from human_gaze.tables import AGREEMENT
-from visuohaptic.report.estimates import Figure as Estimate
-from visuohaptic.report.estimates import estimate
+from visuohaptic.report.estimates import Estimate, estimate
 from visuohaptic.report.figures import Series, draw_intervals
 from visuohaptic.report.wording import classifier_name
 from visuohaptic.tables.schema import read_table

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from filling import DOCS, fill_page, legend_beside, plain, resized, save_picture, table, wrapped
-from matplotlib.figure import Figure as Chart
+from matplotlib.figure import Figure
 
 from turned.leads import KeptLead, KeptLeads, question_sentence, read_kept_leads
 from visuohaptic.evaluation.leads import LEADS
@@ -58,7 +58,7 @@ def leads_table(kept: KeptLeads) -> str:
 
 
 @style()
-def leads_by_class(shown: Sequence[KeptLead]) -> Chart:
+def leads_by_class(shown: Sequence[KeptLead]) -> Figure:
     """Draw the mean lead of each class's objects with its interval, one row per class, largest first lead on top.
 
     `shown` are leads of one condition with different compared strategies, at least one.

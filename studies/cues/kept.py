@@ -17,7 +17,7 @@ from visuohaptic.base.errors import ReportError
 from visuohaptic.evaluation.intervals import compare_paired, object_interval
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import Frame, IntervalParameters
-from visuohaptic.report.estimates import Figure, estimate
+from visuohaptic.report.estimates import Estimate, estimate
 from visuohaptic.studies.keeping import Source, kept_files, read_result, read_source
 
 FOLDER = Path(__file__).parent
@@ -71,14 +71,14 @@ class MeasuredCues:
         """Return whether all cues were measured in a setting."""
         return all((setting, name) in self._cells for name in cues)
 
-    def accuracy(self, setting: Setting, cues: CueName, intervals: IntervalParameters) -> Figure:
+    def accuracy(self, setting: Setting, cues: CueName, intervals: IntervalParameters) -> Estimate:
         """Compute the accuracy by some cues, with its interval over objects. Raises `ReportError` without a figure."""
         values, weights = self._values(setting, cues)[1]
         return estimate(object_interval(values, weights, intervals))
 
     def difference(
         self, setting: Setting, first: CueName, second: CueName, intervals: IntervalParameters
-    ) -> Figure:
+    ) -> Estimate:
         """Compute the accuracy by the first cues minus that by the second, paired over the objects of both.
 
         Raises `ReportError` if one of them has no figure.

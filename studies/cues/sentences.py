@@ -8,7 +8,7 @@ from cues.kept import MeasuredCues, Setting
 from cues.study import CUES, CueName, Tested
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.report.estimates import Figure, with_interval
+from visuohaptic.report.estimates import Estimate, with_interval
 from visuohaptic.report.wording import counted, listed, percent, pipeline_name, points
 
 
@@ -124,7 +124,7 @@ _ADDED = (
 )
 
 
-def _verdicts(names: Sequence[str], differences: Sequence[Figure], words: Sequence[str]) -> str:
+def _verdicts(names: Sequence[str], differences: Sequence[Estimate], words: Sequence[str]) -> str:
     """Return one sentence per sign of the differences that occurs, with the pipelines and their differences."""
     signs = [_sign(one) for one in differences]
     sentences = []
@@ -140,7 +140,7 @@ def _verdicts(names: Sequence[str], differences: Sequence[Figure], words: Sequen
     return " ".join(sentences)
 
 
-def _sign(difference: Figure) -> int:
+def _sign(difference: Estimate) -> int:
     """Return 0 if the interval lies above 0, 1 if it lies below 0, and 2 for all others."""
     if difference.low is not None and difference.low > 0:
         return 0

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from draws.kept import KeptDraws, read_draws, read_kept
 from draws.study import RANDOM
 from visuohaptic.evaluation.means_over_draws import LeadOverDraws
-from visuohaptic.report.estimates import Figure as Estimate
+from visuohaptic.report.estimates import Estimate
 from visuohaptic.report.figures import Series, draw_leads
 from visuohaptic.report.leads import PLACES
 from visuohaptic.report.wording import percent_points, pipeline_name

@@ -7,7 +7,7 @@ import pyarrow as pa
 
 from visuohaptic.evaluation.intervals import CORRELATION, object_interval
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.report.estimates import Figure, estimate, with_interval
+from visuohaptic.report.estimates import Estimate, estimate, with_interval
 from visuohaptic.report.wording import decimal
 
 PREDICTORS = ("equal", "chosen")
@@ -26,7 +26,7 @@ _RULE = (
 )
 
 
-def relation(correlation: Figure) -> str:
+def relation(correlation: Estimate) -> str:
     """Return the words for a correlation with its interval, by `RELATIONS` and the sign."""
     if correlation.holds(0.0):
         return "unrelated"

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from filling import fill_page, points, save_picture, share, table, wrapped
-from matplotlib.figure import Figure as Chart
+from matplotlib.figure import Figure
 
 from packaged_model import strangeness
 from packaged_model.measure import CHOSEN, gain_of
@@ -110,11 +110,11 @@ def blocks_of_scores() -> dict[str, str]:
 
 
 @style()
-def draw(answers: pd.DataFrame) -> Chart:
+def draw(answers: pd.DataFrame) -> Figure:
     """Draw the share of objects that is named right from 16 views, and from one, by class."""
     known = answers[~answers["strange"] & (answers["pipeline"] == chosen()["chosen"])]
     means = known.groupby("class")[["right", "views"]].mean().sort_values("right")
-    chart = Chart(figsize=(6.9, 3.4), layout="constrained")
+    chart = Figure(figsize=(6.9, 3.4), layout="constrained")
     axes = chart.subplots()
     places = np.arange(len(means))
     axes.hlines(places, 100 * means["views"], 100 * means["right"], color=COLOURS["line"])

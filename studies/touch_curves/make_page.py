@@ -21,7 +21,7 @@ from make_claims import of_classifier
 from matplotlib.figure import Figure
 
 from visuohaptic.evaluation.intervals import holm
-from visuohaptic.report.estimates import Figure as Estimate
+from visuohaptic.report.estimates import Estimate
 from visuohaptic.report.figures import Series, draw_by_touches
 from visuohaptic.report.leads import SIGNIFICANCE
 from visuohaptic.report.wording import listed, strategy_name, strategy_place

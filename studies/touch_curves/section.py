@@ -15,8 +15,7 @@ from touch_curves.tables import TOUCHES_NEEDED
 from visuohaptic.evaluation.intervals import holm
 from visuohaptic.report.comparison import REFERENCE, SIGNIFICANCE
 from visuohaptic.report.drawing import look, style
-from visuohaptic.report.estimates import Figure as Estimate
-from visuohaptic.report.estimates import Row, figure_of
+from visuohaptic.report.estimates import Estimate, Row, figure_of
 from visuohaptic.report.figures import draw_lines, label_axes, whole_percent
 from visuohaptic.report.section import ReportContext, Section, SourceTable, Values, figures_of
 from visuohaptic.report.studies import by_cell, read_figures

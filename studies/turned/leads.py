@@ -18,7 +18,7 @@ from visuohaptic.evaluation.leads import LEADS, LEADS_OF, LeadName, Question
 from visuohaptic.evaluation.means_over_draws import ObjectAccuracies, in_common, lead_over_draws
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import Frame, IntervalParameters
-from visuohaptic.report.estimates import Figure, both_intervals, estimate
+from visuohaptic.report.estimates import Estimate, both_intervals, estimate
 from visuohaptic.report.estimates import lead as lead_figure
 from visuohaptic.report.leads import KNOWN, Lead, Verdict, verdict
 from visuohaptic.report.wording import POSES, counted, listed, percent_points, points
@@ -51,7 +51,7 @@ class KeptLead(Lead):
     intervals: IntervalParameters = field(kw_only=True)
 
     @cached_property
-    def by_class(self) -> Mapping[str, Figure]:
+    def by_class(self) -> Mapping[str, Estimate]:
         """The mean lead of each class's objects, with its interval for new objects."""
         categories = np.array(self.first.classes)
         leads = {}

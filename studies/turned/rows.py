@@ -16,7 +16,7 @@ from visuohaptic.base.errors import ReportError
 from visuohaptic.evaluation.intervals import class_interval, compare_differences, object_interval
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.report.estimates import Figure, estimate, lead
+from visuohaptic.report.estimates import Estimate, estimate, lead
 from visuohaptic.report.wording import POSES
 
 FRAMES_OF_POSES: tuple[tuple[Turns, Known], ...] = (
@@ -77,7 +77,7 @@ class TurnedRow:
         return int(self.tested.sum())
 
     @cached_property
-    def fixation(self) -> Figure:
+    def fixation(self) -> Estimate:
         """The accuracy of touches by fixation."""
         cells = [self.cells["fixation"]]
         return _figure(cells, [], self.intervals, self.classes, self.tested)
@@ -143,7 +143,7 @@ def contrast(
     plus: Sequence[CellName],
     minus: Sequence[CellName],
     intervals: IntervalParameters,
-) -> Figure:
+) -> Estimate:
     """Compute a sum of accuracies minus another sum, paired over objects, with its interval.
 
     Parameters
@@ -186,7 +186,7 @@ def _figure(
     intervals: IntervalParameters,
     classes: Sequence[str],
     counted: BoolArray,
-) -> Figure:
+) -> Estimate:
     """Compute a sum of accuracies minus another sum, over the objects that count and that all cells tested."""
     added, subtracted = (np.array([cell.accuracy for cell in cells]) for cells in (plus, minus))
     values = added.sum(axis=0) - (subtracted.sum(axis=0) if len(minus) else 0.0)

@@ -16,7 +16,7 @@ from variants.result import papers_pipeline_sentences
 from variants.summary import kept_summary
 from variants.verdicts import of_papers_question
 from variants.weighing import summarise_variants
-from visuohaptic.report.estimates import Figure
+from visuohaptic.report.estimates import Estimate
 from visuohaptic.report.questions import verdict_on
 
 ROOT = Path(__file__).parents[2]
@@ -196,7 +196,7 @@ def test_published_accuracies_are_judged_as_pandas_judges_the_kept_default_run()
         # No interval of twelve objects is narrow enough for a margin of five points.
         assert high - low > 0.1
         expected = "undecided" if low <= published <= high else "differs"
-        assert verdict_on(Figure(mean, low, high), published) == expected
+        assert verdict_on(Estimate(mean, low, high), published) == expected
         counts[expected] += 1
     assert counts == {"differs": 6, "undecided": 4}
 

@@ -38,7 +38,7 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.phases import OF_OBJECT, PHASES, Phase
 from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
 from visuohaptic.report import figures
-from visuohaptic.report.estimates import Figure as Estimate
+from visuohaptic.report.estimates import Estimate
 from visuohaptic.studies.learning_policies import LEARNING_POLICIES
 from visuohaptic.studies.registry import find_studies
 from visuohaptic.tables.schema import read_table

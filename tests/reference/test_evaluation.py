@@ -33,7 +33,7 @@ from visuohaptic.evaluation.means_over_draws import (
 from visuohaptic.evaluation.sign_changes import _sign_changes, sign_change_test
 from visuohaptic.evaluation.summary import summarise
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.report.estimates import Figure
+from visuohaptic.report.estimates import Estimate
 from visuohaptic.report.leads import Lead, verdict
 from visuohaptic.tables.phases import PREDICTIONS, SCORES
 from visuohaptic.tables.schema import build_rows
@@ -318,7 +318,7 @@ def test_the_word_of_a_question(over):
                     "full",
                     1,
                     12,
-                    Figure(mean, *objects, *classes),
+                    Estimate(mean, *objects, *classes),
                     0.0,
                 )
             )

@@ -13,7 +13,7 @@ from visuohaptic.report.cost import (
     read_cost,
     time_parts,
 )
-from visuohaptic.report.estimates import Figure
+from visuohaptic.report.estimates import Estimate
 from visuohaptic.tables.schema import write_table
 from visuohaptic.tables.studies import COST
 
@@ -93,4 +93,4 @@ def test_a_saving_is_a_row_with_how_sure_its_price_is(lost, verdict):
     (row,) = cost_figures(rows, PARAMETERS)["savings"]
     assert (row["setting"], row["changes"]) == ("Touches, lean", "rendering.resolution 64")
     assert row["saved"] == pytest.approx(0.4)
-    assert (row["lost"], row["verdict"]) == (Figure(*lost), verdict)
+    assert (row["lost"], row["verdict"]) == (Estimate(*lost), verdict)

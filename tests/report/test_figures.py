@@ -13,7 +13,7 @@ from visuohaptic.base.errors import ReportError
 from visuohaptic.report import figures
 from visuohaptic.report.comparison import pipeline_tables
 from visuohaptic.report.drawing import look
-from visuohaptic.report.estimates import Figure as Estimate
+from visuohaptic.report.estimates import Estimate
 from visuohaptic.report.leads import Lead
 from visuohaptic.report.studies import read_figures
 from visuohaptic.report.wording import strategy_place

@@ -3,14 +3,16 @@
 import pytest
 from report.pages import plain
 
-from visuohaptic.report.estimates import Figure
+from visuohaptic.report.estimates import Estimate
 from visuohaptic.report.leads import Lead, run_leads, verdict
 from visuohaptic.report.questions import lead_answer
 
 
 def lead(mean, half=0.03, p=0.5, name="salience", pipeline="paper", turns="none", p_classes=0.9):
     """Make a lead with an interval for new classes of twice the width."""
-    figure = Figure(mean, mean - half, mean + half, p, mean - 2 * half, mean + 2 * half, p_classes)
+    figure = Estimate(
+        mean, mean - half, mean + half, p, mean - 2 * half, mean + 2 * half, p_classes
+    )
     return Lead(name, pipeline, turns, "full", 5, 142, figure)
 
 
@@ -32,7 +34,7 @@ def test_the_word_follows_the_rule(leads, word, excluded):
 
 
 def test_a_lead_without_an_interval_excludes_nothing():
-    single = Lead("salience", "paper", "none", "full", 1, 1, Figure(0.0, p_value=1.0))
+    single = Lead("salience", "paper", "none", "full", 1, 1, Estimate(0.0, p_value=1.0))
     found = verdict([lead(0.0), single])
     assert (found.word, found.excluded) == ("not settled", None)
     assert verdict([lead(0.0), single], "classes").excluded is None

@@ -5,7 +5,7 @@ from report.pages import plain
 from report.test_comparison import BAYES, SVM, lead, metrics
 
 from visuohaptic.report.comparison import pipeline_tables
-from visuohaptic.report.estimates import Figure
+from visuohaptic.report.estimates import Estimate
 from visuohaptic.report.questions import (
     recognition_answer,
     reproduction_answer,
@@ -76,14 +76,14 @@ NEAR = ({SVM: 0.93, BAYES: 0.57}, {SVM: 0.86, BAYES: 0.57})
 @pytest.mark.parametrize(
     ("here", "expected"),
     [
-        (Figure(0.80, 0.76, 0.84), "reproduced"),
+        (Estimate(0.80, 0.76, 0.84), "reproduced"),
         # Equivalence within the margin also if the difference is measurable.
-        (Figure(0.82, 0.81, 0.84), "reproduced"),
-        (Figure(0.80, 0.70, 0.90), "undecided"),
-        (Figure(0.90, 0.80, 0.95), "undecided"),
-        (Figure(0.90, 0.81, 0.95), "differs"),
-        (Figure(0.70, 0.60, 0.79), "differs"),
-        (Figure(0.80), "undecided"),
+        (Estimate(0.82, 0.81, 0.84), "reproduced"),
+        (Estimate(0.80, 0.70, 0.90), "undecided"),
+        (Estimate(0.90, 0.80, 0.95), "undecided"),
+        (Estimate(0.90, 0.81, 0.95), "differs"),
+        (Estimate(0.70, 0.60, 0.79), "differs"),
+        (Estimate(0.80), "undecided"),
     ],
 )
 def test_three_words_judge_a_published_accuracy_of_80_percent(here, expected):

@@ -7,7 +7,7 @@ from visuohaptic.evaluation.intervals import Interval
 from visuohaptic.report import cells
 from visuohaptic.report.environment import make_environment
 from visuohaptic.report.estimates import (
-    Figure,
+    Estimate,
     estimate,
     figure_of,
     with_interval,
@@ -15,7 +15,7 @@ from visuohaptic.report.estimates import (
 from visuohaptic.report.tables import by_strategy
 
 ROWS = [
-    {"name": "<b>", "share": Figure(0.5, 0.4, 0.6), "of": {"count": 1234}},
+    {"name": "<b>", "share": Estimate(0.5, 0.4, 0.6), "of": {"count": 1234}},
     {"name": "two", "share": None, "of": {}, "mark": "exceeded"},
 ]
 COLUMNS = (
@@ -80,8 +80,8 @@ def test_there_is_one_column_per_strategy():
         (cells.code, "<a>", "<code>&lt;a&gt;</code>"),
         (cells.exact_probability, 0.01234, '<data value="0.01234">0.012</data>'),
         (cells.percent_with_interval, 0.5, '<data value="0.5">50.0 %</data>'),
-        (cells.points_with_interval, Figure(0.5), '<data value="0.5">+50.0</data>'),
-        (cells.duration_with_interval, Figure(2.0), '<data value="2.0">2 s</data>'),
+        (cells.points_with_interval, Estimate(0.5), '<data value="0.5">+50.0</data>'),
+        (cells.duration_with_interval, Estimate(2.0), '<data value="2.0">2 s</data>'),
         (
             cells.percent_with_interval,
             Interval(0.5, 0.25, 0.75),
@@ -99,12 +99,12 @@ CELL = {"area": 0.5, "area_low": 0.4, "area_high": 0.6, "accuracy": 0.7, "low": 
 
 
 def test_a_column_has_its_interval_in_the_columns_of_its_name_or_of_the_row():
-    assert figure_of(CELL, "area") == Figure(0.5, 0.4, 0.6)
-    assert figure_of(CELL, "accuracy") == Figure(0.7, 0.6, 0.8)
+    assert figure_of(CELL, "area") == Estimate(0.5, 0.4, 0.6)
+    assert figure_of(CELL, "accuracy") == Estimate(0.7, 0.6, 0.8)
     assert figure_of({"area": None}, "area") is None
 
 
 def test_the_mean_of_one_object_has_no_ends():
-    assert estimate(Interval(0.3, float("nan"), float("nan"))) == Figure(0.3)
-    assert with_interval(Figure(0.5, 0.4, 0.6), "{:g}".format, " s") == "0.5 s (0.4 to 0.6)"
-    assert with_interval(Figure(0.5), "{:g}".format) == "0.5"
+    assert estimate(Interval(0.3, float("nan"), float("nan"))) == Estimate(0.3)
+    assert with_interval(Estimate(0.5, 0.4, 0.6), "{:g}".format, " s") == "0.5 s (0.4 to 0.6)"
+    assert with_interval(Estimate(0.5), "{:g}".format) == "0.5"

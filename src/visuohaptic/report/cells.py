@@ -6,7 +6,7 @@ from markupsafe import Markup
 
 from visuohaptic.evaluation.intervals import Interval
 from visuohaptic.report.estimates import (
-    Figure,
+    Estimate,
     Row,
     above_interval,
     estimate,
@@ -97,22 +97,22 @@ def accuracy_or_error(row: Row) -> str:
     return f"failed: {row['error']}" if accuracy is None else share_above_interval(accuracy)
 
 
-def percent_with_interval(value: Figure | Interval | float) -> Markup:
+def percent_with_interval(value: Estimate | Interval | float) -> Markup:
     """Return a share in per cent, with its interval on a line below."""
     return share_above_interval(_figure(value))
 
 
-def points_with_interval(value: Figure | Interval | float) -> Markup:
+def points_with_interval(value: Estimate | Interval | float) -> Markup:
     """Return a difference of shares in percentage points, with its interval on a line below."""
     return points_above_interval(_figure(value))
 
 
-def duration_with_interval(value: Figure | Interval | float) -> Markup:
+def duration_with_interval(value: Estimate | Interval | float) -> Markup:
     """Return seconds as `duration` does, with their interval on a line below."""
     return above_interval(_figure(value), duration)
 
 
-def _figure(value: Figure | Interval | float) -> Figure:
+def _figure(value: Estimate | Interval | float) -> Estimate:
     if isinstance(value, Interval):
         return estimate(value)
-    return value if isinstance(value, Figure) else Figure(value)
+    return value if isinstance(value, Estimate) else Estimate(value)

@@ -20,7 +20,7 @@ from visuohaptic.base.optional_packages import require
 from visuohaptic.evaluation.intervals import compare_paired, plain_comparison
 from visuohaptic.parameters import leaves
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.report.estimates import Figure
+from visuohaptic.report.estimates import Estimate
 from visuohaptic.report.run import METRICS
 
 LARGEST_BYTES = 100 * 10**6
@@ -36,7 +36,7 @@ COLUMNS = ["parameter", *CELL, "run", *VALUE, *DIFFERENCE, "p_value", *NEW_CLASS
 class Measured(BaseModel):
     """The accuracy of one classifier; `by_object` maps objects to accuracy and weight."""
 
-    accuracy: Figure
+    accuracy: Estimate
     by_object: dict[str, tuple[Annotated[float, Field(ge=0, le=1)], PositiveFloat]]
 
 

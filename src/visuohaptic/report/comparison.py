@@ -9,7 +9,7 @@ from typing import Any
 from visuohaptic.evaluation.intervals import holm
 from visuohaptic.evaluation.means_over_draws import LeadOverDraws
 from visuohaptic.evaluation.published import PAPER_PIPELINE, TABLE_1
-from visuohaptic.report.estimates import Figure, measured
+from visuohaptic.report.estimates import Estimate, measured
 from visuohaptic.report.wording import (
     classifier_name,
     counted,
@@ -57,7 +57,7 @@ class Comparison:
 
     Attributes
     ----------
-    difference : Figure
+    difference : Estimate
         Accuracy of fixations minus accuracy of the other strategy, as a share. A random strategy with several draws of
         its places has each object's mean accuracy over draws.
     p_value : float
@@ -70,7 +70,7 @@ class Comparison:
         The lead of fixations over each draw of a random strategy; None if fewer than two draws were measured.
     """
 
-    difference: Figure
+    difference: Estimate
     p_value: float
     adjusted_p: float
     objects: int
@@ -85,9 +85,9 @@ class ClassifierRow:
     ----------
     key, name : str
         The classifier's key in ``reports/metrics.json``, and its name in words.
-    accuracy : mapping of str to Figure
+    accuracy : mapping of str to Estimate
         Share of test sequences correctly classified, the mean over splits.
-    class_accuracy : mapping of str to mapping of str to Figure
+    class_accuracy : mapping of str to mapping of str to Estimate
         Mean accuracy of each class's objects, by strategy and class.
     published : mapping of str to float
         The paper's accuracies; empty for other pipelines than the paper's, and for classifiers that the paper lacks.
@@ -99,8 +99,8 @@ class ClassifierRow:
 
     key: str
     name: str
-    accuracy: Mapping[str, Figure]
-    class_accuracy: Mapping[str, Mapping[str, Figure]]
+    accuracy: Mapping[str, Estimate]
+    class_accuracy: Mapping[str, Mapping[str, Estimate]]
     published: Mapping[str, float]
     comparisons: Mapping[str, Comparison]
     notes: tuple[str, ...]
@@ -280,7 +280,7 @@ def _row(
         name=classifier_name(key),
         accuracy={strategy: measured(cell, "accuracy") for strategy, cell in cells.items()},
         class_accuracy={
-            strategy: {name: Figure(**figure) for name, figure in cell["class_accuracy"].items()}
+            strategy: {name: Estimate(**figure) for name, figure in cell["class_accuracy"].items()}
             for strategy, cell in cells.items()
         },
         published=TABLE_1.get(key, {}) if pipeline == PAPER_PIPELINE else {},

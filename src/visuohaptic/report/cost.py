@@ -11,7 +11,7 @@ from markupsafe import Markup
 
 from visuohaptic.parameters import CostParameters, ExperimentParameters
 from visuohaptic.report.cells import NONE
-from visuohaptic.report.estimates import Figure, figure_of, with_interval
+from visuohaptic.report.estimates import Estimate, figure_of, with_interval
 from visuohaptic.report.questions import Answer
 from visuohaptic.report.wording import (
     duration,
@@ -203,7 +203,7 @@ def compared_sentence(rows: Sequence[Row], family: Compared) -> str:
     first, second, sentence = _COMPARED[family]
     accuracy = {
         row["setting"]: with_interval(
-            Figure(*(1 - row[f"error{end}"] for end in ("", "_high", "_low"))), percent
+            Estimate(*(1 - row[f"error{end}"] for end in ("", "_high", "_low"))), percent
         )
         for row in rows
         if row["family"] == family and row["error"] is not None

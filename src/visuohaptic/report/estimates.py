@@ -23,7 +23,7 @@ Made = TypeVar("Made")
 
 
 @dataclass(frozen=True)
-class Figure:
+class Estimate:
     """A mean with its intervals of new objects and of new classes; missing numbers are None.
 
     Attributes
@@ -53,7 +53,7 @@ class Figure:
         return self.low is not None and self.high is not None and self.low <= value <= self.high
 
 
-def figure_of(row: Row, name: str) -> Figure | None:
+def figure_of(row: Row, name: str) -> Estimate | None:
     """Return the value of column `name` with its interval; None without a value.
 
     The ends are in the columns ``NAME_low`` and ``NAME_high``, or else in ``low`` and ``high``.
@@ -61,7 +61,7 @@ def figure_of(row: Row, name: str) -> Figure | None:
     if row[name] is None:
         return None
     low, high = (row.get(f"{name}_{end}", row.get(end)) for end in ("low", "high"))
-    return Figure(row[name], low, high)
+    return Estimate(row[name], low, high)
 
 
 def read_json(path: Path, make: Callable[[Any], Made], fault: str, way_out: str) -> Made:
@@ -97,15 +97,15 @@ def _first_fault(error: Exception) -> str:
     return f"{'.'.join(map(str, first['loc']))}: {first['msg']}"
 
 
-def estimate(interval: Interval, new_classes: Interval | None = None) -> Figure:
-    """Return an interval as `Figure`, with that of new classes; ends that are NaN, as for a single object, become None."""
+def estimate(interval: Interval, new_classes: Interval | None = None) -> Estimate:
+    """Return an interval as `Estimate`, with that of new classes; ends that are NaN, as for a single object, become None."""
     wide = (None, None) if new_classes is None else (new_classes.low, new_classes.high)
     low, high, wide_low, wide_high = map(_known, (interval.low, interval.high, *wide))
-    return Figure(interval.mean, low, high, new_classes_low=wide_low, new_classes_high=wide_high)
+    return Estimate(interval.mean, low, high, new_classes_low=wide_low, new_classes_high=wide_high)
 
 
-def lead(comparison: PairedComparison) -> Figure:
-    """Return a paired comparison as `Figure`, with both intervals and both p values."""
+def lead(comparison: PairedComparison) -> Estimate:
+    """Return a paired comparison as `Estimate`, with both intervals and both p values."""
     return replace(
         estimate(comparison.difference, comparison.difference_new_classes),
         p_value=comparison.p_value,
@@ -113,7 +113,7 @@ def lead(comparison: PairedComparison) -> Figure:
     )
 
 
-def measured(entry: Row, name: str) -> Figure:
+def measured(entry: Row, name: str) -> Estimate:
     """Return a figure of ``reports/metrics.json`` from its entry, with both intervals and, of a lead, both p values.
 
     `name` is the key of the interval of new objects; that of new classes has ``_new_classes`` after it.
@@ -122,7 +122,7 @@ def measured(entry: Row, name: str) -> Figure:
     p_values = (
         (entry["p_value"], entry["p_value_new_classes"]) if name == "difference" else (None, None)
     )
-    return Figure(
+    return Estimate(
         **entry[name],
         p_value=p_values[0],
         new_classes_low=wide["low"],
@@ -136,7 +136,7 @@ def _known(value: float | None) -> float | None:
     return None if value is None or math.isnan(value) else value
 
 
-def with_interval(figure: Figure, write: Callable[[float], str], unit: str = "") -> str:
+def with_interval(figure: Estimate, write: Callable[[float], str], unit: str = "") -> str:
     """Return a figure as part of a sentence, such as ``70.0 % (65.0 % to 75.0 %)``.
 
     `write` formats each number; `unit` follows the mean only. Without an interval there are no brackets.
@@ -146,7 +146,7 @@ def with_interval(figure: Figure, write: Callable[[float], str], unit: str = "")
     return f"{write(figure.mean)}{unit} ({write(figure.low)} to {write(figure.high)})"
 
 
-def both_intervals(figure: Figure, write: Callable[[float], str]) -> str:
+def both_intervals(figure: Estimate, write: Callable[[float], str]) -> str:
     """Return the intervals in brackets, such as ``(new objects 65.0 % to 75.0 %, new classes 60.0 % to 80.0 %)``.
 
     `write` formats each number. Intervals that are written alike stand once. Empty without intervals.
@@ -166,17 +166,17 @@ def both_intervals(figure: Figure, write: Callable[[float], str]) -> str:
     return f"({written})" if written else ""
 
 
-def share_above_interval(figure: Figure) -> Markup:
+def share_above_interval(figure: Estimate) -> Markup:
     """Return `above_interval` of a share, in per cent."""
     return above_interval(figure, percent)
 
 
-def points_above_interval(figure: Figure) -> Markup:
+def points_above_interval(figure: Estimate) -> Markup:
     """Return `above_interval` of a difference of shares, in percentage points with sign."""
     return above_interval(figure, points)
 
 
-def above_interval(figure: Figure, write: Callable[[float], str]) -> Markup:
+def above_interval(figure: Estimate, write: Callable[[float], str]) -> Markup:
     """Return a figure as HTML for a cell of a table, with its interval on a line below.
 
     `write` formats each number.

@@ -22,8 +22,7 @@ from visuohaptic.evaluation.leads import LEADS, LeadName
 from visuohaptic.report.comparison import PipelineTable
 from visuohaptic.report.cost import reference_row, time_parts, timed
 from visuohaptic.report.drawing import COLOURS, look, new_chart, style
-from visuohaptic.report.estimates import Figure as Estimate
-from visuohaptic.report.estimates import figure_of
+from visuohaptic.report.estimates import Estimate, figure_of
 from visuohaptic.report.leads import Lead
 from visuohaptic.report.stability import stability_figures
 from visuohaptic.report.wording import (

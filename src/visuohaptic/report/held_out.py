@@ -10,7 +10,7 @@ import pyarrow as pa
 from visuohaptic.evaluation.held_out import summarise_evaluation
 from visuohaptic.evaluation.summary import select
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.report.estimates import Figure, Row
+from visuohaptic.report.estimates import Estimate, Row
 from visuohaptic.report.wording import counted, percent, strategy_name
 from visuohaptic.tables.phases import owners_of
 
@@ -47,8 +47,11 @@ def _in_words(row: Row) -> str:
 
 
 def rows_of(summary: Sequence[Row]) -> list[Row]:
-    """Return rows with each list of mean, low and high as a `Figure`; other values are unchanged."""
+    """Return rows with each list of mean, low and high as an `Estimate`; other values are unchanged."""
     return [
-        {name: Figure(*value) if isinstance(value, list) else value for name, value in row.items()}
+        {
+            name: Estimate(*value) if isinstance(value, list) else value
+            for name, value in row.items()
+        }
         for row in summary
     ]

@@ -10,7 +10,7 @@ from visuohaptic.evaluation.intervals import holm
 from visuohaptic.evaluation.leads import LEADS, LeadName
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import Frame
-from visuohaptic.report.estimates import Figure
+from visuohaptic.report.estimates import Estimate
 from visuohaptic.report.estimates import measured as measured_figure
 from visuohaptic.report.wording import POSES, pipeline_name
 
@@ -57,7 +57,7 @@ class Lead:
         The number of draws of random places, or of the turns with one draw of places each.
     objects : int
         The number of objects that both strategies tested.
-    difference : Figure
+    difference : Estimate
         The lead as a share, with intervals and p values for new objects of the same classes and for new classes.
     deviation : float
         The standard deviation over draws, as a share; 0 for a single draw.
@@ -69,7 +69,7 @@ class Lead:
     known: Frame
     draws: int
     objects: int
-    difference: Figure
+    difference: Estimate
     deviation: float = 0.0
 
     @property

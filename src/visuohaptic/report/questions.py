@@ -9,7 +9,7 @@ from typing import Literal
 from visuohaptic.evaluation.leads import LEADS_OF, Question
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.report.comparison import REFERENCE, PipelineTable
-from visuohaptic.report.estimates import Figure, both_intervals, with_interval
+from visuohaptic.report.estimates import Estimate, both_intervals, with_interval
 from visuohaptic.report.leads import (
     MARGIN as LARGEST_NO,
 )
@@ -311,7 +311,7 @@ def reproduction_answer(table: PipelineTable) -> Answer | None:
     )
 
 
-def verdict_on(here: Figure, published: float) -> Literal["reproduced", "differs", "undecided"]:
+def verdict_on(here: Estimate, published: float) -> Literal["reproduced", "differs", "undecided"]:
     """Return whether an accuracy with its interval reproduces a published accuracy.
 
     ``reproduced``: the whole interval lies within `MARGIN` of the published accuracy. ``differs``: not reproduced, and
@@ -324,7 +324,7 @@ def verdict_on(here: Figure, published: float) -> Literal["reproduced", "differs
     return "undecided" if here.holds(published) else "differs"
 
 
-def _too_wide(accuracies: Sequence[Figure], objects: int) -> str:
+def _too_wide(accuracies: Sequence[Estimate], objects: int) -> str:
     """Return a sentence if every interval is wider than the margin on both sides, so that none can be reproduced."""
     widths = [
         here.high - here.low

@@ -10,7 +10,7 @@ from markupsafe import Markup
 
 from visuohaptic.evaluation.intervals import Interval
 from visuohaptic.report.cells import NONE, number, titled_strategy
-from visuohaptic.report.estimates import Figure
+from visuohaptic.report.estimates import Estimate
 
 Cell: TypeAlias = Callable[[Any], object]
 """Writes a value as a cell; the functions of `cells`."""
@@ -81,7 +81,7 @@ def table(
 
 
 def _is_number(value: object) -> bool:
-    kinds = (int, float, Figure, Interval, Mapping)
+    kinds = (int, float, Estimate, Interval, Mapping)
     return isinstance(value, kinds) and not isinstance(value, bool)
 
 

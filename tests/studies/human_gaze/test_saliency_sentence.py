@@ -6,7 +6,7 @@ import pytest
 
 from human_gaze.saliency_sentence import gaze_sentence, relation
 from human_gaze.section import KEPT, sentences
-from visuohaptic.report.estimates import Figure
+from visuohaptic.report.estimates import Estimate
 
 ROWS = [
     {"object": one, "predictor": predictor, "part": part, "correlation": correlation}
@@ -41,7 +41,7 @@ def test_means_are_those_of_the_objects_held_out():
     ],
 )
 def test_words_follow_from_the_correlation(mean, low, high, words):
-    assert relation(Figure(mean, low, high)) == words
+    assert relation(Estimate(mean, low, high)) == words
 
 
 def test_the_words_on_the_kept_table_are_those_of_its_means():

@@ -14,7 +14,7 @@ from touch_curves.section import SECTION, curves, draw_curves, verdict
 from touch_curves.study import touches_name
 from touch_curves.tables import TOUCHES_NEEDED
 from visuohaptic.report.environment import make_environment
-from visuohaptic.report.estimates import Figure as Estimate
+from visuohaptic.report.estimates import Estimate
 from visuohaptic.report.studies import read_figures
 from visuohaptic.tables.schema import build_table, write_table
 
@@ -27,6 +27,7 @@ def row(strategy, area, touches, gain=None, p_value=None):
         "strategy": strategy, "level": 0.9, "touches": touches, "touches_low": touches and 1,
         "touches_high": None, "most_touches": 2, "area": area, "area_low": area - 0.1,
         "area_high": area + 0.1, "gain": gain, "gain_low": low, "gain_high": high,
+        "gain_new_classes_low": low, "gain_new_classes_high": high, "p_value_new_classes": p_value,
         "p_value": p_value, "objects": 12,
     }  # fmt: skip
 
