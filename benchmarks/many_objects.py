@@ -1,4 +1,4 @@
-"""Measure processor seconds and memory of the workflow for 12 to 568 objects, or given numbers of objects.
+"""Measure processor seconds and memory of the workflow for 12 to 1,420 objects, or given numbers of objects.
 
 `python -m benchmarks.many_objects FOLDER [COUNT …]` makes random deformations of the paper's twelve objects, and
 measures a whole run by phase, and a run without work. Figures are written to FOLDER/measured.json. The objects stay in
@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).parents[1]
-COUNTS = (12, 24, 48, 142, 568)
+COUNTS = (12, 24, 48, 142, 568, 1420)
 BLOCKS = {12: 4, 24: 6, 48: 12, 142: 24}
 """Objects per job by number of objects; 50 for other numbers."""
 LARGEST_BEND = 0.15

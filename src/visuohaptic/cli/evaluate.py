@@ -106,6 +106,10 @@ def evaluate(
     for name, value in needing.items():
         if value is not None:
             raise typer.BadParameter(f"{name} needs --classifier.")
+    _evaluate_models(models or [default_model()], run, as_json=as_json)
+
+
+def _evaluate_models(files: Sequence[Path], run: Path, *, as_json: bool) -> None:
     import pyarrow as pa
 
     from visuohaptic.evaluation.held_out import evaluate_model, summarise_evaluation
@@ -113,16 +117,15 @@ def evaluate(
     from visuohaptic.tables.schema import read_table, write_table
     from visuohaptic.tables.studies import EVALUATION
 
-    recognisers = [read_recogniser(model) for model in models or [default_model()]]
+    models = [read_recogniser(file).model for file in files]
     features = read_table(FEATURES, run / "results/features")
-    fitted_models = [recogniser.model for recogniser in recognisers]
-    table = pa.concat_tables(evaluate_model(model, features) for model in fitted_models)
+    table = pa.concat_tables(evaluate_model(model, features) for model in models)
     write_table(EVALUATION, table, run / TABLE)
-    rows = summarise_evaluation(table, fitted_models[0].parameters.intervals)
+    rows = summarise_evaluation(table, models[0].parameters.intervals)
     if as_json:
         say_json(rows)
         return
-    for model in fitted_models:
+    for model in models:
         for name in model.strategies:
             say(f"Touches by {name}, a model trained on {len(model.objects)} objects:")
             for row in rows:

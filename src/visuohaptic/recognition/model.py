@@ -5,6 +5,7 @@ from __future__ import annotations
 import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from importlib.metadata import version
 from typing import Any
 
@@ -30,6 +31,7 @@ from visuohaptic.recognition.parameters import (
     least_known_objects,
 )
 from visuohaptic.recognition.pipelines import (
+    RecognitionPipeline,
     fit_calibrated,
     fit_preparation,
     log_probabilities,
@@ -313,19 +315,7 @@ def fit_model(
         )
     rows, labels, owners = parts.rows(sequences), sequences.labels, sequences.object_index
     generator = spawn_generator(seed, "recognition", "model", pipeline)
-
-    def fit(rows: FloatArray, labels: IntArray, owners: IntArray) -> Pipeline:
-        preparation = seeded(clone(parts.preparation), generator)
-        prepared = fit_preparation(preparation, rows)
-        (own_seed,) = parts.seeds(generator).values()
-        model = seeded(clone(parts.classifiers[classifier]), own_seed)
-        fitted = (
-            fit_calibrated(model, prepared, labels, owners)
-            if has_probabilities
-            else model.fit(prepared, labels)
-        )
-        return Pipeline([("preparation", preparation), ("classifier", fitted)])
-
+    fit = partial(_fit_estimator, parts, classifier, generator)
     has_probabilities = pipeline != "paper"
     certainties: dict[str, Certainty] = {}
     with one_thread():
@@ -351,15 +341,38 @@ def fit_model(
         touches=sequences.features.shape[1],
         objects=sequences.objects,
         parameters=parameters,
-        versions={
-            "visuohaptic": __version__,
-            "python": platform.python_version(),
-            **{name: version(name) for name in ("numpy", "scikit-learn", "pywavelets", "skops")},
-        },
+        versions=_versions(),
         estimator=estimator,
         waves=waves,
         certainties=certainties,
     )
+
+
+def _fit_estimator(
+    parts: RecognitionPipeline,
+    classifier: str,
+    generator: np.random.Generator,
+    rows: FloatArray,
+    labels: IntArray,
+    owners: IntArray,
+) -> Pipeline:
+    """Fit the preparation and a classifier on training sequences; a classifier with probabilities is calibrated."""
+    preparation = seeded(clone(parts.preparation), generator)
+    prepared = fit_preparation(preparation, rows)
+    (own_seed,) = parts.seeds(generator).values()
+    model = seeded(clone(parts.classifiers[classifier]), own_seed)
+    fitted = (
+        model.fit(prepared, labels)
+        if parts.name == "paper"
+        else fit_calibrated(model, prepared, labels, owners)
+    )
+    return Pipeline([("preparation", preparation), ("classifier", fitted)])
+
+
+def _versions() -> dict[str, str]:
+    """Return the versions of the packages on which a fitted model depends, by name."""
+    packages = {name: version(name) for name in ("numpy", "scikit-learn", "pywavelets", "skops")}
+    return {"visuohaptic": __version__, "python": platform.python_version(), **packages}
 
 
 def _with_only_classifier(
