@@ -17,6 +17,7 @@ from classifier_settings.half import choosing_objects
 from learned.curves import FRAMES as CURVE_FRAMES
 from learned.study import FRAMES, PIPELINES, STRATEGIES, TOUCHES
 from learned.training import OPTIONS, taken
+from learned_turned import study as learned_turned
 from visuohaptic.evaluation.intervals import (
     PairedComparison,
     class_interval,
@@ -37,6 +38,8 @@ from visuohaptic.studies.keeping import kept_file, kept_files, read_source
 
 FOLDER = Path(__file__).parent
 PAGE = FOLDER / "README.md"
+TURNED = FOLDER.parent / "learned_turned"
+"""The study with the same pipelines on turned objects."""
 MODELS = FOLDER.parent / "packaged_model"
 """The study that keeps the answers of models of both pipelines."""
 TRIED = FOLDER / "tried.md"
@@ -46,6 +49,12 @@ LEVEL = 0.05
 """A difference is shown if its p value, with Holm's correction for all settings of the set, is below this level."""
 
 MOST = max(TOUCHES)
+UPRIGHT: Mapping[tuple[Turns, Frame], str] = {
+    ("none", frame): KNOWN[frame] for frame in FRAMES[::-1]
+}
+"""Upright objects by the known part of their frame, in words."""
+TURNED_POSES = {pose: f"{KNOWN[pose[1]]}, turned" for pose in learned_turned.POSES}
+"""Turned objects by the known part of their frame, in words."""
 
 
 class Setting(NamedTuple):
@@ -62,14 +71,20 @@ def blocks() -> dict[str, str]:
     """Return the generated parts of the page by name of the block."""
     many = answers_of(held_out(FOLDER, "benchmark"))
     few = answers_of(held_out(FOLDER, "paper"))
+    turned = Gains.of(held_out(TURNED, "benchmark")).by_views()
     sources = []
-    for path in kept_files(FOLDER).values():
+    for path, words in (
+        *((path, "") for path in kept_files(FOLDER).values()),
+        (kept_file(TURNED, "benchmark"), " turned"),
+    ):
         source, objects = read_source(path), pd.read_parquet(path)["object"].nunique()
-        sources.append(f"{objects} objects: {source.commit[:12]}, {source.date}")
+        sources.append(f"{objects}{words} objects: {source.commit[:12]}, {source.date}")
     heads = ["known of the pose", "one view", "gain", f"{many[1].views} views", "gain"]
     return {
-        "sentence": wrapped(f"{sentence(*many)} {others_sentence(*few)}"),
-        "comparison": table(heads, lines(many)),
+        "sentence": wrapped(
+            f"{sentence(*many)} {turned_sentence(*turned)} {others_sentence(*few)}"
+        ),
+        "comparison": table(heads, [*lines(many, UPRIGHT), *lines(turned, TURNED_POSES)]),
         "sure": wrapped(sure_sentence(pd.read_parquet(kept_file(MODELS, "all")))),
         "questions": wrapped(question_sentence(many[0])),
         "sources": wrapped(f"Measured once and kept; {'; '.join(sources)}."),
@@ -177,6 +192,17 @@ class Gains:
         """The number of views that are classified together."""
         return int(self.rows["views"].max())
 
+    def by_views(self) -> tuple[Gains, Gains]:
+        """Divide the settings by one view and by all views together; the correction stays that for all settings."""
+        single, together = (
+            {key: one for key, one in self.compared.items() if (key.views == 1) == is_single}
+            for is_single in (True, False)
+        )
+        return (
+            Gains(self.rows[self.rows["views"] == 1], single, self.stands),
+            Gains(self.rows[self.rows["views"] > 1], together, self.stands),
+        )
+
     def ahead(self, touches: int) -> str:
         """Return in how many of the settings with so many touches `learned` is shown to be ahead, such as ``3 of 12``."""
         own = [one for one in self.compared if one.touches == touches]
@@ -200,12 +226,14 @@ def answers_of(rows: pd.DataFrame) -> tuple[Gains, Gains]:
     return Gains.of(rows[rows["views"] == 1]), Gains.of(rows[rows["views"] > 1])
 
 
-def lines(answers: tuple[Gains, Gains]) -> Iterator[list[object]]:
-    """Yield a line per frame: accuracies and gain by one view, and by all together, with the most touches by fixation."""
-    for frame in reversed(FRAMES):
-        cells: list[object] = [KNOWN[frame]]
+def lines(
+    answers: tuple[Gains, Gains], poses: Mapping[tuple[Turns, Frame], str]
+) -> Iterator[list[object]]:
+    """Yield a line per pose: accuracies and gain by one view, and by all together, with the most touches by fixation."""
+    for pose, words in poses.items():
+        cells: list[object] = [words]
         for gains in answers:
-            cells += gains.cells(Setting("none", frame, MOST, gains.views, STRATEGIES[0]))
+            cells += gains.cells(Setting(*pose, MOST, gains.views, STRATEGIES[0]))
         yield cells
 
 
@@ -216,6 +244,14 @@ def sentence(single: Gains, together: Gains) -> str:
         f"{single.ahead(MOST)} settings with five touches from one view, in {together.ahead(MOST)} from {together.views} "
         f"views together, and in {single.ahead(1)} with one touch.** With five touches its gain is {single.range()} points "
         f"from one view and {together.range()} from {together.views}, by the known part of the pose and the places of touch."
+    )
+
+
+def turned_sentence(single: Gains, together: Gains) -> str:
+    """Return the answer on turned objects."""
+    return (
+        f"On objects turned about the vertical (known), or in any way (nothing known), it is shown to be ahead in {single.ahead(MOST)} settings from one view and in "
+        f"{together.ahead(MOST)} from {together.views}, with gains of {single.range()} and {together.range()} points."
     )
 
 

@@ -20,6 +20,7 @@ from visuohaptic.report.leads import KNOWN
 from visuohaptic.studies.figures import Cell
 
 FOLDER = Path(__file__).parents[3] / "studies/learned"
+TURNED = FOLDER.with_name("learned_turned")
 
 
 def test_each_frame_is_measured_by_one_view_and_five_touches_also_by_all_views():
@@ -78,13 +79,13 @@ def test_rows_name_their_condition_and_a_failed_condition_is_named():
         arrange({key: failed})
 
 
-def held_out(name):
-    rows = pd.read_parquet(FOLDER / f"kept_{name}.parquet")
+def held_out(name, folder=FOLDER):
+    rows = pd.read_parquet(folder / f"kept_{name}.parquet")
     return rows[~rows["object"].isin(choosing_objects())]
 
 
 def test_the_page_has_the_accuracies_of_objects_that_chose_nothing():
-    rows = held_out("benchmark")
+    rows = pd.concat([held_out("benchmark"), held_out("benchmark", TURNED)])
     rows = rows[(rows["touches"] == 5) & (rows["strategy"] == "fixation")]
     page = (FOLDER / "README.md").read_text()
     assert f"On {rows['object'].nunique()} objects that chose nothing" in page
@@ -92,13 +93,16 @@ def test_the_page_has_the_accuracies_of_objects_that_chose_nothing():
     lines = [[cell.strip() for cell in line.split("|")[1:-1]] for line in block.splitlines()[2:]]
     means = {
         key: 100 * np.average(own["accuracy"], weights=own["weight"])
-        for key, own in rows.groupby(["frame", "views", "pipeline"])
+        for key, own in rows.groupby(["turns", "frame", "views", "pipeline"])
     }
-    frames = ("full", "vertical", "centre", "none")
-    assert [cells[0] for cells in lines] == [KNOWN[frame] for frame in frames]
-    for frame, cells in zip(frames, lines, strict=True):
+    poses = [("none", frame) for frame in ("full", "vertical", "centre", "none")]
+    poses += [("vertical", "vertical"), ("any", "none")]
+    assert [cells[0] for cells in lines] == [
+        KNOWN[frame] + ", turned" * (turns != "none") for turns, frame in poses
+    ]
+    for pose, cells in zip(poses, lines, strict=True):
         for views, shown, gain in ((1, *cells[1:3]), (16, *cells[3:])):
-            before, after = (means[frame, views, name] for name in PIPELINES)
+            before, after = (means[*pose, views, name] for name in PIPELINES)
             assert shown == f"{before:.1f} % → {after:.1f} %"
             assert f"{after - before:+.1f} (".replace("-", "−") in gain
 
@@ -121,14 +125,26 @@ def test_the_answer_counts_the_differences_that_stand_after_correction():
     assert f"its gain is {one['gains']} points from one view and {many['gains']} from 16" in text
 
 
-def counted(rows):
+def test_the_answer_on_turned_objects_counts_after_one_correction_for_both_numbers_of_views():
+    rows = held_out("benchmark", TURNED)
+    text = " ".join((FOLDER / "README.md").read_text().split())
+    said = re.search(r"in (\d+) of 6 settings from one view and in (\d+) of 6 from 16", text)
+    for views, shown in zip((1, 16), said.groups(), strict=True):
+        fewest, most, total = counted(rows, views)[5]
+        assert fewest <= int(shown) <= most
+        assert total == 6
+
+
+def counted(rows, views=None):
     """Return by touches how many settings of a question show a lead after Holm's correction, and the range of gains.
+
+    With `views` only settings with so many views are counted; the correction is for all settings.
 
     The page draws fewer sign changes. A corrected p value within two standard errors of these from the level can lie on
     either side, so the fewest and the most settings are returned, with the number of all.
     """
     wide = rows.pivot(
-        index=["turns", "frame", "touches", "strategy", "object"],
+        index=["turns", "frame", "touches", "strategy", "views", "object"],
         columns="pipeline",
         values=["accuracy", "weight"],
     )
@@ -137,7 +153,7 @@ def counted(rows):
     ]
     signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(100_000, rows["object"].nunique()))
     p_values, gains = {}, {}
-    for setting, own in terms.groupby(level=[0, 1, 2, 3]):
+    for setting, own in terms.groupby(level=[0, 1, 2, 3, 4]):
         differences = own.dropna().to_numpy()
         weights = wide["weight"]["learned"][own.dropna().index].sum()
         flipped = np.abs(signs[:, : len(differences)] @ differences)
@@ -151,7 +167,7 @@ def counted(rows):
         error[setting] = times * np.sqrt(p_values[setting] / IntervalParameters().permutations)
     shown = {}
     for touches in {one[2] for one in gains}:
-        own = [one for one in gains if one[2] == touches]
+        own = [one for one in gains if one[2] == touches and views in {None, one[4]}]
         ahead = (
             sum(gains[one] > 0 and corrected[one] + side * error[one] < 0.05 for one in own)
             for side in (2, -2)
