@@ -18,7 +18,7 @@ from filling import (
     Figures,
     fill_page,
     kept_figures,
-    lead_with_p,
+    lead_in_both,
     points,
     share,
     table,
@@ -66,7 +66,7 @@ def accuracies_table(kept: Figures) -> str:
     }
     adjusted = holm([random["lead_p"] for _, random in cells.values()])
     written = {
-        key: [share(fixation["accuracy"]), lead_with_p(random["lead"], random["lead_p"], p_value)]
+        key: [share(fixation["accuracy"]), lead_in_both(random, "lead", p_value)]
         for (key, (fixation, random)), p_value in zip(cells.items(), adjusted, strict=True)
     }
     rows = [

@@ -10,7 +10,7 @@ from filling import (
     Figures,
     figures_of_study,
     fill_from_figures,
-    lead_with_p,
+    lead_in_both,
     measured,
     points,
     resized,
@@ -47,7 +47,7 @@ def sight_table(figures: Figures) -> str:
     gains = [row["gains"][answer] for row in figures["sights"] for answer in GAINS]
     written = iter(
         [
-            lead_with_p(gain["difference"], gain["p_value"], p_value)
+            lead_in_both(gain, "difference", p_value)
             for gain, p_value in zip(gains, adjusted(gains), strict=True)
         ]
     )
@@ -130,7 +130,7 @@ def draw(sets: Mapping[str, Figures]) -> Figure:
     ticks = (0.5, 1, 2, 5, 10, 20, 40)
     axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     axes.set_xticks([], minor=True)
-    return resized(chart, 320)
+    return resized(chart, 300)
 
 
 def looked(figures: Figures) -> float:

@@ -9,7 +9,7 @@ from filling import (
     Figures,
     figures_of_study,
     fill_from_figures,
-    lead_with_p,
+    lead_in_both,
     legend_beside,
     measured,
     resized,
@@ -49,7 +49,7 @@ def curve_table(figures: Figures) -> str:
             if pipeline == "order_free":
                 cells.append("never" if needed["touches"] is None else needed["touches"])
             p_value = adjusted[pipeline].get(strategy)
-            cells.append("" if p_value is None else lead_with_p(needed["gain"], p_value, p_value))
+            cells.append("" if p_value is None else lead_in_both(needed, "gain", p_value))
         rows.append(cells)
     heads = ["strategy", *(f"ours, {number}" for number in SHOWN["order_free"])]
     heads += ["90 %", "area"]
@@ -132,7 +132,7 @@ def draw(sets: Mapping[str, Figures]) -> Figure:
         series.append(Series(strategy_name(strategy), strategy_place(strategy), estimates))
     chart = draw_by_touches(DRAWN, series)
     chart.axes[0].set_ylim(0.5, 1)
-    return resized(legend_beside(chart), 340)
+    return resized(legend_beside(chart), 300)
 
 
 def blocks(sets: Mapping[str, Figures]) -> dict[str, str]:

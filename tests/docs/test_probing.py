@@ -84,6 +84,10 @@ def test_the_page_on_probing_has_the_accuracies_of_the_kept_study():
             )
             lead = 100 * (fixation["accuracy"] - random["accuracy"])
             row += [f"{100 * fixation['accuracy']:.1f} %", lead]
+            for population in ("", "_new_classes"):
+                low, high = (random[f"lead{population}_{end}"] for end in ("low", "high"))
+                assert (low > 0 or high < 0) == (random[f"lead_p{population}"] < 0.05)
+                assert f"{100 * low:+.1f} to {100 * high:+.1f}".replace("-", "−") in block
             of_small = small[pipeline]["random_visible"][classifier][condition]
             assert of_small["lead_p"] >= 0.05
         expected.append(row)
@@ -94,6 +98,6 @@ def test_the_page_on_probing_has_the_accuracies_of_the_kept_study():
             if isinstance(value, str):
                 assert cell == value
             else:
-                number = float(cell.strip("*").split(",")[0].replace("\N{MINUS SIGN}", "-"))
+                number = float(cell.split(" (")[0].strip("*").replace("\N{MINUS SIGN}", "-"))
                 # Pairs leave out objects that one strategy lacks; both figures are rounded.
                 assert abs(number - value) < 0.2

@@ -1,8 +1,11 @@
-"""The page says of gains what the kept p values say, corrected by hand."""
+"""The page says of gains what the kept p values say, corrected by hand, and prints both intervals."""
 
 import json
 import re
+from itertools import product
 from pathlib import Path
+
+import pytest
 
 STUDY = Path(__file__).parents[3] / "studies/eye_and_touch"
 PAGE = " ".join((STUDY / "README.md").read_text(encoding="utf-8").split())
@@ -36,7 +39,7 @@ def test_touch_is_ahead_of_a_look_in_every_sight_and_both_senses_behind_with_a_b
     assert behind == ["occluded"]
     assert sides["clean", "checked product"] == 0
     assert "Both senses together are not shown to be better than touch in clean sight" in PAGE
-    bold = re.findall(r"\*\*([+−][\d.]+), p", PAGE)
+    bold = re.findall(r"\*\*([+−][\d.]+)\*\* \(", PAGE)
     assert len(bold) == sum(side != 0 for side in sides.values()) == 7
 
 
@@ -52,9 +55,24 @@ def test_the_stopping_rule_is_counted_after_the_correction():
         assert re.search(rf"at {budget} s \(shown for {shown} of 4 strategies", PAGE)
 
 
-def test_neither_page_nor_kept_file_has_an_interval_of_a_gain():
-    assert not re.search(r"[+−]\d+\.\d \([+−]", PAGE)
-    for figures in KEPT.values():
-        gains = [gain for row in figures["sights"] for gain in row["gains"].values()]
-        gains += [row["gain"] for row in figures["budgets"] if "gain" in row]
-        assert all({*gain} == {"over", "difference", "p_value"} for gain in gains)
+@pytest.mark.parametrize("name", KEPT)
+def test_an_interval_excludes_no_gain_exactly_if_its_p_value_is_small(name):
+    figures = KEPT[name]
+    gains = [gain for row in figures["sights"] for gain in row["gains"].values()]
+    gains += [row["gain"] for row in figures["budgets"] if "gain" in row]
+    for gain, population in product(gains, ("", "_new_classes")):
+        low, high = (gain[f"difference{population}_{end}"] for end in ("low", "high"))
+        assert (low > 0 or high < 0) == (gain[f"p_value{population}"] < 0.05)
+
+
+def test_the_table_has_both_intervals_of_each_gain():
+    for row in KEPT["benchmark"]["sights"]:
+        for answer in ("touch", "checked product"):
+            gain = row["gains"][answer]
+            ends = "; ".join(
+                " to ".join(
+                    f"{100 * gain[f'difference{population}_{end}']:+.1f}" for end in ("low", "high")
+                )
+                for population in ("", "_new_classes")
+            )
+            assert f"({ends})".replace("-", "−") in PAGE
