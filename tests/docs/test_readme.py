@@ -136,7 +136,8 @@ def test_the_answers_count_the_leads_of_the_kept_tables():
     seeing, salience = (verdict(kept.of(name)) for name in ("seeing", "salience"))
     turned = sum(lead.turns == "any" for lead in seeing.leads)
     upright = len(seeing.leads) - turned
-    assert f"led random places in reach in {len(seeing.ahead)} of {upright} comparisons" in said
+    reach = f"random places in the sensor's reach, in sight or not, in {len(seeing.ahead)}"
+    assert f"led {reach} of {upright} comparisons" in said
     assert f"objects turned in any way they trailed in {len(seeing.behind)} of {turned}, by" in said
     of_classes = verdict(kept.of("seeing"), "classes")
     assert (
