@@ -23,7 +23,7 @@ from visuohaptic.studies.keeping import Source, kept_files, read_result, read_so
 FOLDER = Path(__file__).parent
 
 
-class Setting(NamedTuple):
+class CueSetting(NamedTuple):
     """A way to measure, for which the accuracies by cue are compared."""
 
     tested: Tested
@@ -50,10 +50,10 @@ class MeasuredCues:
     source: Source | None = None
 
     @cached_property
-    def _cells(self) -> dict[tuple[Setting, str], dict[tuple[str, str], tuple[float, float]]]:
-        cells: dict[tuple[Setting, str], dict[tuple[str, str], tuple[float, float]]] = {}
+    def _cells(self) -> dict[tuple[CueSetting, str], dict[tuple[str, str], tuple[float, float]]]:
+        cells: dict[tuple[CueSetting, str], dict[tuple[str, str], tuple[float, float]]] = {}
         for row in self.table.to_pylist():
-            setting = Setting(*(row[name] for name in Setting._fields))
+            setting = CueSetting(*(row[name] for name in CueSetting._fields))
             cell = cells.setdefault((setting, row["cues"]), {})
             cell[row["class"], row["object"]] = row["accuracy"], row["weight"]
         return cells
@@ -63,21 +63,23 @@ class MeasuredCues:
         """The number of objects."""
         return len({owner for cell in self._cells.values() for owner in cell})
 
-    def settings(self) -> list[Setting]:
+    def settings(self) -> list[CueSetting]:
         """Return the settings that have a figure."""
         return list(dict.fromkeys(setting for setting, _ in self._cells))
 
-    def has(self, setting: Setting, *cues: CueName) -> bool:
+    def has(self, setting: CueSetting, *cues: CueName) -> bool:
         """Return whether all cues were measured in a setting."""
         return all((setting, name) in self._cells for name in cues)
 
-    def accuracy(self, setting: Setting, cues: CueName, intervals: IntervalParameters) -> Estimate:
+    def accuracy(
+        self, setting: CueSetting, cues: CueName, intervals: IntervalParameters
+    ) -> Estimate:
         """Compute the accuracy by some cues, with its interval over objects. Raises `ReportError` without a figure."""
         values, weights = self._values(setting, cues)[1]
         return estimate(object_interval(values, weights, intervals))
 
     def difference(
-        self, setting: Setting, first: CueName, second: CueName, intervals: IntervalParameters
+        self, setting: CueSetting, first: CueName, second: CueName, intervals: IntervalParameters
     ) -> Estimate:
         """Compute the accuracy by the first cues minus that by the second, paired over the objects of both.
 
@@ -92,7 +94,7 @@ class MeasuredCues:
         return estimate(compared.difference)
 
     def _values(
-        self, setting: Setting, cues: CueName
+        self, setting: CueSetting, cues: CueName
     ) -> tuple[tuple[tuple[str, str], ...], FloatArray]:
         """Return the objects, and their accuracies and weights (2, o)."""
         cell = self._cells.get((setting, cues))

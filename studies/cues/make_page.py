@@ -7,7 +7,7 @@ from pathlib import Path
 from filling import fill_page, measured, plain, resized, save_picture, share, table, wrapped
 from matplotlib.figure import Figure
 
-from cues.kept import MeasuredCues, Setting, kept_cues
+from cues.kept import CueSetting, MeasuredCues, kept_cues
 from cues.sentences import SETTINGS, carries_verdicts
 from cues.study import CUES, CueName, is_bare
 from visuohaptic.recognition.parameters import IntervalParameters
@@ -18,14 +18,16 @@ from visuohaptic.report.wording import points
 PAGE = Path(__file__).parent / "README.md"
 PICTURE = PAGE.with_name("cues.png")
 INTERVALS = IntervalParameters()
-SHOWN = (Setting("new", "none", "full", 5, "paper", "fixation"), *SETTINGS.values())
+SHOWN = (CueSetting("new", "none", "full", 5, "paper", "fixation"), *SETTINGS.values())
 """The settings of the table."""
 DRAWN = {
-    "pipeline order_free, pose known": Setting("new", "none", "full", 5, "order_free", "fixation"),
-    "pipeline order_free, nothing known of the pose": Setting(
+    "pipeline order_free, pose known": CueSetting(
+        "new", "none", "full", 5, "order_free", "fixation"
+    ),
+    "pipeline order_free, nothing known of the pose": CueSetting(
         "new", "none", "none", 5, "order_free", "fixation"
     ),
-    "the paper's pipeline, pose known": Setting("new", "none", "full", 5, "paper", "fixation"),
+    "the paper's pipeline, pose known": CueSetting("new", "none", "full", 5, "paper", "fixation"),
 }
 """The settings of the picture."""
 _KNOWN = {"full": "known", "none": "unknown"}
@@ -79,13 +81,13 @@ def few_sentence(few: MeasuredCues) -> str:
     )
 
 
-def _share(kept: MeasuredCues, setting: Setting, name: CueName) -> str:
+def _share(kept: MeasuredCues, setting: CueSetting, name: CueName) -> str:
     if kept.has(setting, name):
         return share(kept.accuracy(setting, name, INTERVALS).mean)
     return "none" if is_bare(setting.frame, setting.touches) else "not measured"
 
 
-def _gain(kept: MeasuredCues, setting: Setting) -> str:
+def _gain(kept: MeasuredCues, setting: CueSetting) -> str:
     if not kept.has(setting, "all", "pose"):
         return "all of it" if is_bare(setting.frame, setting.touches) else "not measured"
     return plain(with_interval(kept.difference(setting, "all", "pose", INTERVALS), points))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from cues.kept import MeasuredCues, Setting
+from cues.kept import CueSetting, MeasuredCues
 from cues.study import CUES, CueName, Tested
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import IntervalParameters
@@ -91,22 +91,22 @@ def imprints_sentence(measured: MeasuredCues, intervals: IntervalParameters) -> 
 
 _TWO: tuple[CueName, CueName] = ("pose", "imprint")
 
-SETTINGS: Mapping[str, Setting] = {
-    "pose known, five touches": Setting("new", "none", "full", 5, "order_free", "fixation"),
-    "pose known, one touch": Setting("new", "none", "full", 1, "order_free", "fixation"),
-    "nothing known of the pose, five touches": Setting(
+SETTINGS: Mapping[str, CueSetting] = {
+    "pose known, five touches": CueSetting("new", "none", "full", 5, "order_free", "fixation"),
+    "pose known, one touch": CueSetting("new", "none", "full", 1, "order_free", "fixation"),
+    "nothing known of the pose, five touches": CueSetting(
         "new", "none", "none", 5, "order_free", "fixation"
     ),
-    "nothing known of the pose, one touch": Setting(
+    "nothing known of the pose, one touch": CueSetting(
         "new", "none", "none", 1, "order_free", "fixation"
     ),
-    "objects turned in any way and nothing known of the pose, five touches": Setting(
+    "objects turned in any way and nothing known of the pose, five touches": CueSetting(
         "new", "any", "none", 5, "order_free", "fixation"
     ),
-    "known objects from new viewpoints, one touch": Setting(
+    "known objects from new viewpoints, one touch": CueSetting(
         "known", "none", "full", 1, "order_free", "fixation"
     ),
-    "known objects from new viewpoints, nothing known of the pose, five touches": Setting(
+    "known objects from new viewpoints, nothing known of the pose, five touches": CueSetting(
         "known", "none", "none", 5, "order_free", "fixation"
     ),
 }
@@ -149,7 +149,7 @@ def _sign(difference: Estimate) -> int:
     return 2
 
 
-def _gain(measured: MeasuredCues, setting: Setting, intervals: IntervalParameters) -> str:
+def _gain(measured: MeasuredCues, setting: CueSetting, intervals: IntervalParameters) -> str:
     if not measured.has(setting, "pose"):
         only = with_interval(measured.accuracy(setting, "all", intervals), percent)
         return f"{only}, all of it by the imprint"
@@ -160,7 +160,7 @@ def _gain(measured: MeasuredCues, setting: Setting, intervals: IntervalParameter
 
 def _by_pipeline(
     measured: MeasuredCues, tested: Tested, turns: Turns, touches: int, strategy: str
-) -> list[Setting]:
+) -> list[CueSetting]:
     """Return the settings with the full frame that have all cues, pipeline `order_free` first."""
     named = (tested, turns, "full", touches)
     return sorted(

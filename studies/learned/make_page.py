@@ -57,7 +57,7 @@ TURNED_POSES = {pose: f"{KNOWN[pose[1]]}, turned" for pose in learned_turned.POS
 """Turned objects by the known part of their frame, in words."""
 
 
-class Setting(NamedTuple):
+class ComparedSetting(NamedTuple):
     """What the pipelines are compared in; `views` are classified together."""
 
     turns: Turns
@@ -159,21 +159,21 @@ class Gains:
     ----------
     rows : pandas.DataFrame
         Kept rows of held-out objects.
-    compared : dict of Setting to PairedComparison
+    compared : dict of ComparedSetting to PairedComparison
         `learned` minus `order_free`.
-    stands : dict of Setting to bool
+    stands : dict of ComparedSetting to bool
         Whether the p value, with Holm's correction for all settings, is below `LEVEL`.
     """
 
     rows: pd.DataFrame
-    compared: dict[Setting, PairedComparison]
-    stands: dict[Setting, bool]
+    compared: dict[ComparedSetting, PairedComparison]
+    stands: dict[ComparedSetting, bool]
 
     @classmethod
     def of(cls, rows: pd.DataFrame) -> Gains:
         """Compare the pipelines in pairs over objects."""
-        found = dict.fromkeys(rows[[*Setting._fields]].itertuples(index=False, name=None))
-        settings = [Setting(*one) for one in found]
+        found = dict.fromkeys(rows[[*ComparedSetting._fields]].itertuples(index=False, name=None))
+        settings = [ComparedSetting(*one) for one in found]
         compared = {
             one: compare(*(accuracies(rows, one, name) for name in reversed(PIPELINES)))
             for one in settings
@@ -214,7 +214,7 @@ class Gains:
         gains = [one.difference.mean for key, one in self.compared.items() if key.touches == MOST]
         return f"{points(min(gains))} to {points(max(gains))}"
 
-    def cells(self, setting: Setting) -> list[str]:
+    def cells(self, setting: ComparedSetting) -> list[str]:
         """Return the accuracies of both pipelines, and the gain in points; bold if it is shown."""
         means = [accuracies(self.rows, setting, name).mean for name in PIPELINES]
         text = plain(with_interval(estimate(self.compared[setting].difference), points))
@@ -233,7 +233,7 @@ def lines(
     for pose, words in poses.items():
         cells: list[object] = [words]
         for gains in answers:
-            cells += gains.cells(Setting(*pose, MOST, gains.views, STRATEGIES[0]))
+            cells += gains.cells(ComparedSetting(*pose, MOST, gains.views, STRATEGIES[0]))
         yield cells
 
 
@@ -323,14 +323,16 @@ def draw(gains: Gains) -> Figure:
     frames = tuple(reversed(FRAMES))
     series = []
     for strategy in STRATEGIES:
-        leads = [lead(gains.compared[Setting("none", one, MOST, 1, strategy)]) for one in frames]
+        leads = [
+            lead(gains.compared[ComparedSetting("none", one, MOST, 1, strategy)]) for one in frames
+        ]
         wider = [of_new_classes(one) for one in leads]
         series.append(Series(strategy_name(strategy), strategy_place(strategy), leads, None, wider))
     rows = [KNOWN[frame] for frame in frames]
     return resized(draw_leads(rows, "known part of the pose", series), 315)
 
 
-def accuracies(rows: pd.DataFrame, setting: Setting, pipeline: str) -> ObjectAccuracies:
+def accuracies(rows: pd.DataFrame, setting: ComparedSetting, pipeline: str) -> ObjectAccuracies:
     """Return the objects' accuracies in a setting."""
     wanted = {**setting._asdict(), "pipeline": pipeline}
     is_wanted = np.logical_and.reduce([rows[name] == value for name, value in wanted.items()])

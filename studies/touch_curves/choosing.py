@@ -113,16 +113,16 @@ def fit_adaptive(
     """
     model, words = fit_touch_model(lessons, parameters.recognition.order_free, generator)
     known = {
-        int(owner): _plan(model, lessons.poses[lessons.owner == owner], int(owner))
+        int(owner): _find_likelihoods(model, lessons.poses[lessons.owner == owner], int(owner))
         for owner in np.unique(lessons.owner)
     }
     temperature = _fit_temperature(lessons, words(lessons.features), known, generator)
 
     def begin(places: Places) -> Choose:
-        plan = known.get(places.left_out)
-        if plan is None or not np.array_equal(plan.poses, places.poses):
-            plan = _plan(model, places.poses, places.left_out)
-        tempered = replace(plan, log_likelihood=plan.log_likelihood / temperature)
+        likelihoods = known.get(places.left_out)
+        if likelihoods is None or not np.array_equal(likelihoods.poses, places.poses):
+            likelihoods = _find_likelihoods(model, places.poses, places.left_out)
+        tempered = replace(likelihoods, log_likelihood=likelihoods.log_likelihood / temperature)
         predicted = tempered.log_likelihood - _log_sum(tempered.log_likelihood)
 
         def choose(chosen: IntArray, felt: FloatArray) -> IntArray:
@@ -141,7 +141,7 @@ add_learning_policy(ADAPTIVE, "touch_curves")
 
 
 @dataclass(frozen=True)
-class Plan:
+class CandidateLikelihoods:
     """Log likelihoods of an object's candidates.
 
     Attributes
@@ -159,13 +159,13 @@ class Plan:
     log_likelihood: FloatArray
 
 
-def _plan(model: TouchModel, poses: FloatArray, left_out: int) -> Plan:
+def _find_likelihoods(model: TouchModel, poses: FloatArray, left_out: int) -> CandidateLikelihoods:
     distinct, number = np.unique(poses, axis=0, return_inverse=True)
-    return Plan(poses, number.reshape(-1), model.log_likelihood(distinct, left_out))
+    return CandidateLikelihoods(poses, number.reshape(-1), model.log_likelihood(distinct, left_out))
 
 
 def choose_next(
-    plan: Plan,
+    likelihoods: CandidateLikelihoods,
     predicted: FloatArray,
     view: IntArray,
     chosen: IntArray,
@@ -182,10 +182,10 @@ def choose_next(
 
     Parameters
     ----------
-    plan : Plan
+    likelihoods : CandidateLikelihoods
         Log likelihoods of the n candidates.
     predicted : ndarray of shape (u, m, c)
-        The plan's log likelihood, normalised to a sum of 1 over the kinds of imprint.
+        The log likelihoods, normalised to a sum of 1 over the kinds of imprint.
     view : ndarray of shape (n,), int64
         Viewpoint of each candidate, 0 to v - 1, ascending.
     chosen, kinds : ndarray of shape (v, t), int64
@@ -198,18 +198,18 @@ def choose_next(
     ndarray of shape (v,), int64
         The chosen candidates.
     """
-    views, poses = len(chosen), plan.poses
-    belief = np.zeros((views, plan.log_likelihood.shape[2]))
+    views, poses = len(chosen), likelihoods.poses
+    belief = np.zeros((views, likelihoods.log_likelihood.shape[2]))
     closed = np.zeros(
         len(poses), dtype=np.int64
     )  # 0 for open, 1 for near a touch, 2 and more for touched
     for touched, words in zip(chosen.T, kinds.T, strict=True):
-        belief += plan.log_likelihood[plan.pose_number[touched], words]
+        belief += likelihoods.log_likelihood[likelihoods.pose_number[touched], words]
         steps = poses[:, :3] - poses[touched[view], :3]
         near = np.einsum("nd,nd->n", steps, steps) <= focus_radius**2
         closed = np.maximum(closed, near)
         closed[touched] += 2
-    entropy = expected_entropy(belief, predicted)[view, plan.pose_number]
+    entropy = expected_entropy(belief, predicted)[view, likelihoods.pose_number]
     order = np.lexsort((entropy, closed, view))
     return order[np.searchsorted(view, np.arange(views))]
 
@@ -314,15 +314,18 @@ def _log_sum(logarithms: FloatArray) -> FloatArray:
 
 
 def _fit_temperature(
-    lessons: Lessons, kinds: IntArray, plans: Mapping[int, Plan], generator: np.random.Generator
+    lessons: Lessons,
+    kinds: IntArray,
+    likelihoods_of: Mapping[int, CandidateLikelihoods],
+    generator: np.random.Generator,
 ) -> float:
     """Fit the temperature that calibrates the belief on random touches of training objects that are left out."""
     scores, labels = [], []
-    for owner, plan in plans.items():
+    for owner, likelihoods in likelihoods_of.items():
         own = lessons.owner == owner
         words, views = kinds[own], len(np.unique(lessons.view[own]))
         drawn = generator.integers(len(words), size=(views, REHEARSED_TOUCHES))
-        evidence = plan.log_likelihood[plan.pose_number[drawn], words[drawn]]
+        evidence = likelihoods.log_likelihood[likelihoods.pose_number[drawn], words[drawn]]
         scores.append(evidence.sum(axis=1))
         labels.append(np.full(views, lessons.class_of_object[owner]))
     return fit_temperature(np.concatenate(scores), np.concatenate(labels))

@@ -115,12 +115,12 @@ def choose_default(
         variant.name: variant for variant in all_variants() if variant.part == "recognition"
     }
     cells_of = {name: _cells_of_variant(cells, name) for name in variants}
-    run = {
+    succeeded = {
         name: of_variant
         for name, of_variant in cells_of.items()
         if all(cell.error is None for cell in of_variant)
     }
-    objects = {cell.objects for of_variant in run.values() for cell in of_variant}
+    objects = {cell.objects for of_variant in succeeded.values() for cell in of_variant}
     if len(objects) != 1:
         raise RecognitionError(
             f"The variants were tested on {len(objects)} different sets of objects; the rule "
@@ -128,7 +128,7 @@ def choose_default(
         )
     scores = {
         name: np.mean([cell.accuracy for cell in of_variant], axis=0)
-        for name, of_variant in run.items()
+        for name, of_variant in succeeded.items()
     }
     best = max(scores, key=lambda name: float(scores[name].mean()))
     listed: dict[str, Row] = {}

@@ -55,8 +55,8 @@ def average_by_object(rows: pa.Table, counted: str = "sequences") -> ObjectMeans
     index_of = {key: index for index, key in enumerate(objects)}
     owner = np.array([index_of[key] for key in owners])
     split, repeat, count, accuracy = matrix(rows, ["split", "repeat", counted, "accuracy"]).T
-    _, run = np.unique(split * (repeat.max() + 1) + repeat, return_inverse=True)
-    share = count / np.bincount(run, weights=count)[run]
+    _, pair = np.unique(split * (repeat.max() + 1) + repeat, return_inverse=True)
+    share = count / np.bincount(pair, weights=count)[pair]
     weights: FloatArray = np.bincount(owner, weights=share).astype(np.float64)
     # Accuracy times count is a whole number up to rounding, except for votes of viewpoints (count 1).
     correct = np.where(count > 1, np.rint(accuracy * count), accuracy)

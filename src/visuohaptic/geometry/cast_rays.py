@@ -14,7 +14,7 @@ FirstFaces = tuple[IntArray, NDArray[np.float32], NDArray[np.float32]]
 Crossings = tuple[IntArray, IntArray]
 
 
-class Scene(Protocol):
+class RayScene(Protocol):
     """Triangles that rays are cast at, in float32; constructed from vertices (v, 3) and faces (f, 3)."""
 
     def first_faces(self, rays: Rays) -> FirstFaces:

@@ -17,7 +17,7 @@ _PAIRS = 1 << 18
 
 
 class EmbreexScene:
-    """Triangles in a scene of Embree; see `cast_rays.Scene`."""
+    """Triangles in a scene of Embree; see `cast_rays.RayScene`."""
 
     def __init__(self, corners: FloatArray, faces: IntArray) -> None:
         self._triangles = corners[faces]

@@ -10,7 +10,7 @@ from visuohaptic.geometry.compiled_open3d import open3d
 
 
 class Open3DScene:
-    """Triangles in a scene of Open3D; see `cast_rays.Scene`."""
+    """Triangles in a scene of Open3D; see `cast_rays.RayScene`."""
 
     def __init__(self, corners: FloatArray, faces: IntArray) -> None:
         self._tensor = open3d.core.Tensor

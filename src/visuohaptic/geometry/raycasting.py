@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
-from visuohaptic.geometry.cast_rays import Scene
+from visuohaptic.geometry.cast_rays import RayScene
 from visuohaptic.geometry.nearest import nearest_on
 from visuohaptic.geometry.overlaps import blocks_by_count, overlapping_faces, repeat_with_ranges
 from visuohaptic.geometry.scenes import SCENES, installed_package
@@ -127,10 +127,10 @@ class RayCaster:
             (double_areas < _NARROW * longest) & (double_areas > _LINE_RATIO * longest)
         )
         make_scene = SCENES[package or installed_package()]
-        self._scene: Scene = make_scene(surface.vertices, surface.faces)
+        self._scene: RayScene = make_scene(surface.vertices, surface.faces)
         if len(self._narrow):
             boxes = _boxes_around(self._corners[self._narrow])
-            self._around_narrow: Scene = make_scene(*boxes)
+            self._around_narrow: RayScene = make_scene(*boxes)
 
     @property
     def reach(self) -> float:

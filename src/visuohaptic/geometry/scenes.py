@@ -11,22 +11,22 @@ from importlib.util import find_spec
 
 from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import MissingPackageError
-from visuohaptic.geometry.cast_rays import Scene
+from visuohaptic.geometry.cast_rays import RayScene
 
 
-def _open3d_scene(corners: FloatArray, faces: IntArray) -> Scene:
+def _open3d_scene(corners: FloatArray, faces: IntArray) -> RayScene:
     from visuohaptic.geometry.open3d_scene import Open3DScene
 
     return Open3DScene(corners, faces)
 
 
-def _embreex_scene(corners: FloatArray, faces: IntArray) -> Scene:
+def _embreex_scene(corners: FloatArray, faces: IntArray) -> RayScene:
     from visuohaptic.geometry.embreex_scene import EmbreexScene
 
     return EmbreexScene(corners, faces)
 
 
-SCENES: Mapping[str, Callable[[FloatArray, IntArray], Scene]] = {
+SCENES: Mapping[str, Callable[[FloatArray, IntArray], RayScene]] = {
     "open3d": _open3d_scene,
     "embreex": _embreex_scene,
 }

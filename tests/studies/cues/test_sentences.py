@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 from report.pages import plain
 
-from cues.kept import MeasuredCues, Setting, kept_cues, kept_cues_of, read_cues
+from cues.kept import CueSetting, MeasuredCues, kept_cues, kept_cues_of, read_cues
 from cues.section import kept_sentences, own_sentences
 from cues.sentences import carries_sentence, imprints_sentence
 from cues.study import STUDY
@@ -254,7 +254,7 @@ def test_a_pair_is_over_the_objects_of_both_and_a_missing_cell_is_named(tmp_path
     path = tmp_path / "cues.parquet"
     made_up(path, lifts(paper=(0.5, 0.5, 0.5, 0.5, 0.5)), objects=3)
     measured = read_cues(path)
-    setting = Setting("new", "none", "full", 5, "paper", "fixation")
+    setting = CueSetting("new", "none", "full", 5, "paper", "fixation")
     frame = measured.table.to_pandas()
     kept = ~((frame["cues"] == "all") & (frame["object"] == "o01"))
     shorter = MeasuredCues(measured.table.filter(kept.to_numpy()))

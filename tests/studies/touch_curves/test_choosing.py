@@ -10,7 +10,7 @@ from recognition.synthetic import features_table
 from touch_curves import choosing
 from touch_curves.choosing import (
     ADAPTIVE,
-    Plan,
+    CandidateLikelihoods,
     choose_next,
     expected_entropy,
     fit_touch_model,
@@ -39,10 +39,10 @@ def choose(candidates):
 
 def choose_touches(poses, likelihood, kinds, touches, focus_radius):
     """Choose touches of one viewpoint whose candidates have the given words."""
-    plan = Plan(poses, np.arange(len(poses)), likelihood)
+    likelihoods = CandidateLikelihoods(poses, np.arange(len(poses)), likelihood)
     chosen, view = np.zeros((1, 0), np.int64), np.zeros(len(poses), np.int64)
     for _ in range(touches):
-        picked = choose_next(plan, likelihood, view, chosen, kinds[chosen], focus_radius)
+        picked = choose_next(likelihoods, likelihood, view, chosen, kinds[chosen], focus_radius)
         chosen = np.column_stack([chosen, picked])
     return chosen[0]
 
