@@ -16,7 +16,7 @@ from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.parameters import CostParameters
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.comparison import pipeline_tables
-from visuohaptic.report.estimates import Estimate, both_intervals, estimate
+from visuohaptic.report.estimates import both_intervals, estimate, with_interval
 from visuohaptic.report.leads import SIGNIFICANCE, verdict
 from visuohaptic.report.wording import (
     POSES,
@@ -88,7 +88,10 @@ def answers(metrics: dict[str, Any]) -> str:
 def recognised(metrics: dict[str, Any], leads: KeptLeads) -> str:
     """Return how often five touches are classified correctly: of the run's objects, and of 142, upright and turned."""
     own = pipeline_tables(metrics)
-    paper, ours = (_accuracy(one.headline.accuracy["fixation"]) for one in own)
+    paper, ours = (
+        with_interval(one.headline.accuracy["fixation"], lambda value: f"{100 * value:.1f}", " %")
+        for one in own
+    )
     (unknown,) = [
         one.first.mean for one in leads.of("salience") if (one.turns, one.known) == ("any", "none")
     ]
@@ -113,13 +116,6 @@ def recognised(metrics: dict[str, Any], leads: KeptLeads) -> str:
         f"[where the arm is](studies/cues/README.md), and in {shares['any']} if they are turned in any way "
         f"({percent(unknown)} by features that use no pose; guessing: {percent(1 / classes, 0)})."
     )
-
-
-def _accuracy(figure: Estimate) -> str:
-    """Write an accuracy with its interval, such as ``70.0 % (62.1 to 77.8)``."""
-    if figure.low is None or figure.high is None:
-        return percent(figure.mean)
-    return f"{percent(figure.mean)} ({100 * figure.low:.1f} to {100 * figure.high:.1f})"
 
 
 def seeing(kept: KeptLeads) -> str:
