@@ -38,6 +38,14 @@ def test_the_workflow_runs_in_another_folder_with_that_folders_parameters(fresh_
 
 
 @process
+def test_snakemake_does_not_plan_again_each_second_for_every_job_that_has_ended(stand_in):
+    stand_in.set(seed=8)
+    output = stand_in.snakemake("--verbose").stdout
+    limits = {int(count) for count in re.findall(r"'_job_count': (\d+)", output)}
+    assert limits == {sys.maxsize}  # with a limit, Snakemake starts a timer at each plan
+
+
+@process
 @pytest.mark.long
 def test_a_clone_and_its_python_may_lie_in_a_folder_with_a_blank(whole_stand_in, tmp_path):
     experiment = whole_stand_in.copy(tmp_path / "it's My Projects/experiment")
