@@ -10,8 +10,9 @@ import numpy as np
 import pyarrow as pa
 
 from draws.tables import DRAWS
+from visuohaptic.evaluation.by_object import ObjectAccuracies
 from visuohaptic.evaluation.leads import DrawnAccuracies
-from visuohaptic.evaluation.means_over_draws import LeadOverDraws, ObjectAccuracies, lead_over_draws
+from visuohaptic.evaluation.means_over_draws import LeadOverDraws, lead_over_draws
 from visuohaptic.report.wording import classifier_name, counted, percent_points, points
 from visuohaptic.studies.figures import rows_by
 from visuohaptic.studies.keeping import Source, kept_files, read_result, read_source

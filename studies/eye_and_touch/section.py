@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from eye_and_touch.study import CHECKED, LOOK, PRODUCT, STUDY, TOUCH
 from eye_and_touch.tables import EYE_AND_TOUCH
 from visuohaptic.report.drawing import style
-from visuohaptic.report.estimates import Row, figure_of, read_json
+from visuohaptic.report.estimates import Row, estimate_of, read_json
 from visuohaptic.report.figures import draw_lines, label_axes, whole_percent
 from visuohaptic.report.section import ReportContext, Section, SourceTable, Values
 from visuohaptic.report.wording import counted, percent
@@ -32,7 +32,7 @@ def senses_figures(path: Path) -> Row:
     def arrange(summary: Row) -> Row:
         rows = [
             {"sight": sight["sight"]}
-            | {answer: figure_of(sight["answers"][answer], "accuracy") for answer in ANSWERS}
+            | {answer: estimate_of(sight["answers"][answer], "accuracy") for answer in ANSWERS}
             for sight in summary["sights"]
         ]
         curves = summary["curves"]
@@ -40,7 +40,7 @@ def senses_figures(path: Path) -> Row:
             "sentence": _sentence(summary, rows),
             "rows": rows,
             "curves": curves,
-            "curve_rows": [{**row, "accuracy": figure_of(row, "accuracy")} for row in curves],
+            "curve_rows": [{**row, "accuracy": estimate_of(row, "accuracy")} for row in curves],
         }
 
     way_out = "run `snakemake -j2 eye_and_touch_all` again"

@@ -20,13 +20,13 @@ from eye_and_touch.study import (
     STOPPING,
     TOUCH,
 )
+from visuohaptic.evaluation.by_object import average_by_object
 from visuohaptic.evaluation.intervals import compare_paired, object_interval
 from visuohaptic.parameters import CostParameters
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.studies.figures import (
     Cell,
     Row,
-    average_objects,
     ends,
     paired_with_classes,
     rows_by,
@@ -52,11 +52,6 @@ class SenseCell(Cell):
     seconds: float = np.nan
     calibration_error: float = np.nan
 
-    @property
-    def mean(self) -> float:
-        """Mean accuracy over objects, weighted as in the intervals."""
-        return float(self.weights @ self.accuracy / self.weights.sum())
-
 
 def cells_of(table: pa.Table) -> dict[Key, SenseCell]:
     """Return a cell per key: the rows of `EYE_AND_TOUCH` of each object, averaged over the splits that tested it."""
@@ -65,11 +60,11 @@ def cells_of(table: pa.Table) -> dict[Key, SenseCell]:
 
 
 def _cell(rows: pa.Table) -> SenseCell:
-    cell, share = average_objects(rows, "trials")
+    found, share = average_by_object(rows, "trials")
     trials, seconds = matrix(rows, ["trials", "seconds"]).T
     gaps = np.abs(np.sum(rows.column("gaps").to_pylist(), axis=0))
     return SenseCell(
-        *(cell.objects, cell.accuracy, cell.weights),
+        *(found.objects, found.accuracy, found.weights),
         seconds=float(share @ seconds / share.sum()),
         calibration_error=float(gaps.sum() / trials.sum()),
     )

@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from visuohaptic.evaluation.by_object import ObjectAccuracies
 from visuohaptic.evaluation.intervals import PairedComparison
 from visuohaptic.evaluation.leads import compare_accuracies
-from visuohaptic.evaluation.means_over_draws import ObjectAccuracies, mean_over_draws
+from visuohaptic.evaluation.means_over_draws import mean_over_draws
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import Frame, IntervalParameters
 from visuohaptic.studies.keeping import kept_file, read_source

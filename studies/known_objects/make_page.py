@@ -21,7 +21,7 @@ from filling import (
 )
 from matplotlib.figure import Figure
 
-from visuohaptic.report.estimates import figure_of
+from visuohaptic.report.estimates import estimate_of
 from visuohaptic.report.figures import Series, draw_by_touches
 
 HERE = Path(__file__).parent
@@ -91,7 +91,7 @@ def draw(sets: Sets) -> Figure:
         Series(
             f"{name} {len(one['objects'])}, {NAMES[one['strategy']]}",
             place,
-            [figure_of(one["by_touches"][number - 1], "accuracy") for number in SHOWN],
+            [estimate_of(one["by_touches"][number - 1], "accuracy") for number in SHOWN],
         )
         for place, (name, one) in enumerate(
             (SETS[name], one) for name, strategies in sets.items() for one in strategies
@@ -115,7 +115,7 @@ def _rows(sets: Sets) -> Iterator[list[object]]:
 
 
 def _share(row: Figures, name: str) -> str:
-    found = figure_of(row, name)
+    found = estimate_of(row, name)
     return "none" if found is None else estimated(found)
 
 

@@ -18,6 +18,7 @@ from learned.curves import FRAMES as CURVE_FRAMES
 from learned.study import FRAMES, PIPELINES, STRATEGIES, TOUCHES
 from learned.training import OPTIONS, taken
 from learned_turned import study as learned_turned
+from visuohaptic.evaluation.by_object import ObjectAccuracies
 from visuohaptic.evaluation.intervals import (
     PairedComparison,
     class_interval,
@@ -26,7 +27,6 @@ from visuohaptic.evaluation.intervals import (
     object_interval,
 )
 from visuohaptic.evaluation.leads import compare_accuracies
-from visuohaptic.evaluation.means_over_draws import ObjectAccuracies
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.meshes.catalogue import TEST_CLASSES
 from visuohaptic.recognition.parameters import Frame, IntervalParameters

@@ -15,7 +15,7 @@ from touch_curves.tables import TOUCHES_NEEDED
 from visuohaptic.evaluation.intervals import holm
 from visuohaptic.report.comparison import REFERENCE, SIGNIFICANCE
 from visuohaptic.report.drawing import look, style
-from visuohaptic.report.estimates import Estimate, Row, figure_of
+from visuohaptic.report.estimates import Estimate, Row, estimate_of
 from visuohaptic.report.figures import draw_lines, label_axes, whole_percent
 from visuohaptic.report.section import ReportContext, Section, SourceTable, Values, figures_of
 from visuohaptic.report.studies import by_cell, read_figures
@@ -66,13 +66,14 @@ def curves(pipeline: str, classifier: str, needed: Sequence[Row], points_of: lis
     failed = [row for row in points_of if row.get("error")]
     by_touches: dict[int, dict[str, Estimate | None]] = {}
     for row in points_of:
-        accuracy = figure_of(row, "accuracy")
+        accuracy = estimate_of(row, "accuracy")
         by_touches.setdefault(row["place"] + 1, {})[row["strategy"]] = accuracy
     return {
         "pipeline": pipeline,
         "classifier": classifier,
         "rows": [
-            {**row, "area": figure_of(row, "area"), "gain": figure_of(row, "gain")} for row in rows
+            {**row, "area": estimate_of(row, "area"), "gain": estimate_of(row, "gain")}
+            for row in rows
         ],
         "points": points_of,
         "strategies": sorted((row["strategy"] for row in rows), key=strategy_place),

@@ -13,9 +13,10 @@ import numpy as np
 from draws.kept import FOLDER as DRAWS_FOLDER
 from draws.kept import KeptSet, read_kept
 from turned.kept import FOLDER, HEADLINE_TOUCHES, TurnedCell, TurnedSet, read_turned
+from visuohaptic.evaluation.by_object import ObjectAccuracies
 from visuohaptic.evaluation.intervals import compare_paired
 from visuohaptic.evaluation.leads import LEADS, LEADS_OF, LeadName, Question
-from visuohaptic.evaluation.means_over_draws import ObjectAccuracies, in_common, lead_over_draws
+from visuohaptic.evaluation.means_over_draws import in_common, lead_over_draws
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import Frame, IntervalParameters
 from visuohaptic.report.estimates import Estimate, both_intervals, estimate

@@ -31,8 +31,8 @@ from meshreaders.command import make_parser
 from turned.leads import read_kept_leads
 from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.cli.commands import app
+from visuohaptic.evaluation.by_object import ObjectAccuracies
 from visuohaptic.evaluation.held_out import summarise_evaluation
-from visuohaptic.evaluation.means_over_draws import ObjectAccuracies
 from visuohaptic.fixations.probing import PLANNED
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.phases import OF_OBJECT, PHASES, Phase

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from visuohaptic.evaluation.by_object import ObjectAccuracies
 from visuohaptic.evaluation.leads import LEADS, LEADS_OF, DrawnAccuracies, compare_by_lead
-from visuohaptic.evaluation.means_over_draws import ObjectAccuracies
 from visuohaptic.recognition.parameters import IntervalParameters
 
 OBJECTS = (("box", "a"), ("box", "b"), ("cup", "c"), ("cup", "d"))

@@ -16,6 +16,7 @@ import pytest
 from reference import evaluation as plain
 from source_folders import ROOT
 
+from visuohaptic.evaluation.by_object import ObjectAccuracies
 from visuohaptic.evaluation.intervals import (
     balanced_class_interval,
     balanced_interval,
@@ -25,11 +26,7 @@ from visuohaptic.evaluation.intervals import (
     object_interval,
 )
 from visuohaptic.evaluation.leads import DrawnAccuracies, compare_by_lead
-from visuohaptic.evaluation.means_over_draws import (
-    ObjectAccuracies,
-    lead_over_draws,
-    mean_over_draws,
-)
+from visuohaptic.evaluation.means_over_draws import lead_over_draws, mean_over_draws
 from visuohaptic.evaluation.sign_changes import _sign_changes, sign_change_test
 from visuohaptic.evaluation.summary import summarise
 from visuohaptic.recognition.parameters import IntervalParameters

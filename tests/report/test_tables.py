@@ -9,7 +9,7 @@ from visuohaptic.report.environment import make_environment
 from visuohaptic.report.estimates import (
     Estimate,
     estimate,
-    figure_of,
+    estimate_of,
     with_interval,
 )
 from visuohaptic.report.tables import by_strategy
@@ -99,9 +99,9 @@ CELL = {"area": 0.5, "area_low": 0.4, "area_high": 0.6, "accuracy": 0.7, "low": 
 
 
 def test_a_column_has_its_interval_in_the_columns_of_its_name_or_of_the_row():
-    assert figure_of(CELL, "area") == Estimate(0.5, 0.4, 0.6)
-    assert figure_of(CELL, "accuracy") == Estimate(0.7, 0.6, 0.8)
-    assert figure_of({"area": None}, "area") is None
+    assert estimate_of(CELL, "area") == Estimate(0.5, 0.4, 0.6)
+    assert estimate_of(CELL, "accuracy") == Estimate(0.7, 0.6, 0.8)
+    assert estimate_of({"area": None}, "area") is None
 
 
 def test_the_mean_of_one_object_has_no_ends():

@@ -13,28 +13,37 @@ from visuohaptic.tables.schema import matrix
 
 
 @dataclass(frozen=True)
-class ObjectMeans:
-    """Mean accuracy of each object.
+class ObjectAccuracies:
+    """Accuracies of the objects that one strategy tested, such as fixation or one draw of a random strategy.
 
     Attributes
     ----------
     objects : tuple of (str, str)
-        Class and name of o objects, sorted.
+        Class and name of o objects. Accuracies that are compared need the same order of objects.
     accuracy : array (o,), float64
-        The objects' accuracies.
+        For each object, the mean accuracy over the splits that tested the object.
     weights : array (o,), float64
-        The objects' weights. The weighted mean of the accuracies equals the mean over splits.
-    share : array (n,), float64
-        For each of the n rows, its share of the test sequences of its split.
+        The objects' weights in `mean`. Only their ratios count.
     """
 
     objects: tuple[tuple[str, str], ...]
     accuracy: FloatArray
     weights: FloatArray
-    share: FloatArray
+
+    @property
+    def classes(self) -> tuple[str, ...]:
+        """The class of each object."""
+        return tuple(category for category, _ in self.objects)
+
+    @property
+    def mean(self) -> float:
+        """The weighted mean of `accuracy`; with all tested objects, the mean over splits of each split's accuracy."""
+        return float(self.weights @ self.accuracy / self.weights.sum())
 
 
-def average_by_object(rows: pa.Table, counted: str = "sequences") -> ObjectMeans:
+def average_by_object(
+    rows: pa.Table, counted: str = "sequences"
+) -> tuple[ObjectAccuracies, FloatArray]:
     """Average each object's accuracy over the splits and repeats that tested the object.
 
     Parameters
@@ -47,8 +56,10 @@ def average_by_object(rows: pa.Table, counted: str = "sequences") -> ObjectMeans
 
     Returns
     -------
-    ObjectMeans
-        The mean accuracies and the weights.
+    accuracies : ObjectAccuracies
+        The objects in the order of their names. The weighted mean of the accuracies equals the mean over splits.
+    share : array (n,), float64
+        For each of the n rows, its share of the test sequences of its split.
     """
     owners = owners_of(rows)
     objects = tuple(sorted(set(owners)))
@@ -61,4 +72,4 @@ def average_by_object(rows: pa.Table, counted: str = "sequences") -> ObjectMeans
     # Accuracy times count is a whole number up to rounding, except for votes of viewpoints (count 1).
     correct = np.where(count > 1, np.rint(accuracy * count), accuracy)
     means = np.bincount(owner, weights=share * correct / count) / weights
-    return ObjectMeans(objects, means, weights, share)
+    return ObjectAccuracies(objects, means, weights), share

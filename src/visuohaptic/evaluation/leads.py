@@ -10,9 +10,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from visuohaptic.evaluation.by_object import ObjectAccuracies
 from visuohaptic.evaluation.intervals import PairedComparison, compare_paired, plain_comparison
 from visuohaptic.evaluation.means_over_draws import (
-    ObjectAccuracies,
     in_common,
     lead_over_draws,
     mean_over_draws,

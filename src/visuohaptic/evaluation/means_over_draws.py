@@ -14,9 +14,8 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.draw_names import draw_of
-from visuohaptic.evaluation.by_object import average_by_object
+from visuohaptic.evaluation.by_object import ObjectAccuracies, average_by_object
 
 
 class PredictionKey(NamedTuple):
@@ -28,35 +27,6 @@ class PredictionKey(NamedTuple):
 
 
 _CELL = list(PredictionKey._fields)
-
-
-@dataclass(frozen=True)
-class ObjectAccuracies:
-    """Accuracies of the objects that one strategy tested, such as fixation or one draw of a random strategy.
-
-    Attributes
-    ----------
-    objects : tuple of (str, str)
-        Class and name of o objects. Accuracies that are compared need the same order of objects.
-    accuracy : array (o,), float64
-        For each object, the mean accuracy over the splits that tested the object.
-    weights : array (o,), float64
-        The objects' weights in `mean`. Only their ratios count.
-    """
-
-    objects: tuple[tuple[str, str], ...]
-    accuracy: FloatArray
-    weights: FloatArray
-
-    @property
-    def classes(self) -> tuple[str, ...]:
-        """The class of each object."""
-        return tuple(category for category, _ in self.objects)
-
-    @property
-    def mean(self) -> float:
-        """The weighted mean of `accuracy`; with all tested objects, the mean over splits of each split's accuracy."""
-        return float(self.weights @ self.accuracy / self.weights.sum())
 
 
 @dataclass(frozen=True)
@@ -93,8 +63,7 @@ def further_draws(rows: pa.Table | None) -> dict[PredictionKey, FurtherDraws]:
             note = f"draw {number} of the places could not be measured: {error.rstrip('.')}"
             by_cell[key] = FurtherDraws(earlier.draws, (*earlier.notes, note))
             continue
-        means = average_by_object(measured)
-        draw = ObjectAccuracies(means.objects, means.accuracy, means.weights)
+        draw, _ = average_by_object(measured)
         by_cell[key] = FurtherDraws((*earlier.draws, draw), earlier.notes)
     return by_cell
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import RecognitionError
+from visuohaptic.evaluation.by_object import ObjectAccuracies
 from visuohaptic.evaluation.intervals import (
     balanced_class_interval,
     balanced_interval,
@@ -25,7 +26,6 @@ from visuohaptic.evaluation.intervals import (
 from visuohaptic.evaluation.leads import DrawnAccuracies, compare_by_lead
 from visuohaptic.evaluation.means_over_draws import (
     FurtherDraws,
-    ObjectAccuracies,
     PredictionKey,
     further_draws,
     in_common,

@@ -10,7 +10,7 @@ from visuohaptic.report.estimates import (
     Row,
     above_interval,
     estimate,
-    figure_of,
+    estimate_of,
     points_above_interval,
     share_above_interval,
 )
@@ -93,7 +93,7 @@ def recomputed(step: str) -> str:
 
 def accuracy_or_error(row: Row) -> str:
     """Return the accuracy of a row of `tables.STUDY_FIGURES` with its interval, or why there is none."""
-    accuracy = figure_of(row, "accuracy")
+    accuracy = estimate_of(row, "accuracy")
     return f"failed: {row['error']}" if accuracy is None else share_above_interval(accuracy)
 
 

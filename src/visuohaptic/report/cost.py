@@ -11,7 +11,7 @@ from markupsafe import Markup
 
 from visuohaptic.parameters import CostParameters, ExperimentParameters
 from visuohaptic.report.cells import NONE
-from visuohaptic.report.estimates import Estimate, figure_of, with_interval
+from visuohaptic.report.estimates import Estimate, estimate_of, with_interval
 from visuohaptic.report.questions import Answer
 from visuohaptic.report.wording import (
     duration,
@@ -69,8 +69,8 @@ def cost_figures(rows: Sequence[Row], run: ExperimentParameters) -> Row:
             {
                 **row,
                 "name": _named(row),
-                "seconds": figure_of(row, "seconds"),
-                "error": figure_of(row, "error"),
+                "seconds": estimate_of(row, "seconds"),
+                "error": estimate_of(row, "error"),
             }
             for row in find_steps(rows)
         ],
@@ -156,7 +156,7 @@ def cost_answer(rows: Sequence[Row], cost: CostParameters) -> Answer | None:
 
 
 def _error(row: Row) -> str:
-    figure = figure_of(row, "error")
+    figure = estimate_of(row, "error")
     return with_interval(figure, percent) if figure else ""
 
 
@@ -278,7 +278,7 @@ def _saving_row(row: Row, reference: Row) -> Row:
         "changes": listed(changes),
         "saved": 1 - row["seconds"] / reference["seconds"],
         "saved_seconds": reference["seconds"] - row["seconds"],
-        "lost": figure_of(row, "lost"),
+        "lost": estimate_of(row, "lost"),
         "verdict": verdict,
         "objects": row["objects"],
     }

@@ -53,7 +53,7 @@ class Estimate:
         return self.low is not None and self.high is not None and self.low <= value <= self.high
 
 
-def figure_of(row: Row, name: str) -> Estimate | None:
+def estimate_of(row: Row, name: str) -> Estimate | None:
     """Return the value of column `name` with its interval; None without a value.
 
     The ends are in the columns ``NAME_low`` and ``NAME_high``, or else in ``low`` and ``high``.

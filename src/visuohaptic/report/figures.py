@@ -22,7 +22,7 @@ from visuohaptic.evaluation.leads import LEADS, LeadName
 from visuohaptic.report.comparison import PipelineTable
 from visuohaptic.report.cost import reference_row, time_parts, timed
 from visuohaptic.report.drawing import COLOURS, look, new_chart, style
-from visuohaptic.report.estimates import Estimate, figure_of
+from visuohaptic.report.estimates import Estimate, estimate_of
 from visuohaptic.report.leads import Lead
 from visuohaptic.report.stability import stability_figures
 from visuohaptic.report.wording import (
@@ -163,7 +163,7 @@ def conditions(table: Rows, chance: float | None = None) -> Figure:
     """
     rows = [row for row in _rows(table) if row["accuracy"] is not None]
     words = {row["condition"]: row.get("words", row["condition"]) for row in rows}
-    accuracy = {(row["strategy"], row["condition"]): figure_of(row, "accuracy") for row in rows}
+    accuracy = {(row["strategy"], row["condition"]): estimate_of(row, "accuracy") for row in rows}
     strategies = sorted({row["strategy"] for row in rows}, key=strategy_place)
     series = _by_strategy(
         {name: [accuracy.get((name, condition)) for condition in words] for name in strategies}

@@ -8,7 +8,7 @@ from typing import Any
 
 from visuohaptic.evaluation.published import PAPER_PIPELINE
 from visuohaptic.report.comparison import SIGNIFICANCE
-from visuohaptic.report.estimates import Row, figure_of
+from visuohaptic.report.estimates import Row, estimate_of
 from visuohaptic.report.run import Run
 from visuohaptic.report.wording import (
     counted,
@@ -68,7 +68,7 @@ def _study_table(pipeline: str, classifier: str, cells: list[Row]) -> Row:
     rows: dict[str, dict[str, Any]] = {}
     for cell in cells:
         row = rows.setdefault(cell["condition"], {**cell, "seconds": 0.0, "by_strategy": {}})
-        changes = {name: figure_of(cell, name) for name in ("difference", "lead")}
+        changes = {name: estimate_of(cell, name) for name in ("difference", "lead")}
         row["by_strategy"][cell["strategy"]] = {**cell, **changes}
         row["seconds"] += cell["seconds"] or 0.0
     strategies = sorted({cell["strategy"] for cell in cells})

@@ -14,10 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
-from numpy.typing import NDArray
 
 from visuohaptic.base.atomic_files import atomic_write_text
-from visuohaptic.evaluation.by_object import average_by_object
+from visuohaptic.evaluation.by_object import ObjectAccuracies, average_by_object
 from visuohaptic.evaluation.intervals import (
     Interval,
     PairedComparison,
@@ -51,24 +50,17 @@ LEADER = "fixation"
 
 
 @dataclass(frozen=True)
-class Cell:
-    """Accuracies of o objects for one condition, pipeline, strategy and classifier.
+class Cell(ObjectAccuracies):
+    """Accuracies of objects for one condition, pipeline, strategy and classifier; without objects if the condition failed.
 
     Attributes
     ----------
-    objects : tuple of (str, str)
-        Class and name of each object, sorted. Empty if the condition failed.
-    accuracy, weights : ndarray of shape (o,)
-        The weighted mean of the accuracies is the mean over splits.
     seconds : float or None
         Processor seconds of training and testing.
     error : str or None
         Reason why the condition failed.
     """
 
-    objects: tuple[tuple[str, str], ...]
-    accuracy: NDArray[np.float64]
-    weights: NDArray[np.float64]
     seconds: float | None = None
     error: str | None = None
 
@@ -96,7 +88,7 @@ def predicted_cells(predictions: pa.Table) -> dict[PredictionKey, Cell]:
     means = means.rename_columns({"seed": "repeat", "right_mean": "accuracy"})
     means = means.append_column("sequences", pa.array(np.ones(means.num_rows)))
     return {
-        PredictionKey(*key): average_objects(part, "sequences")[0]
+        PredictionKey(*key): _averaged(part)
         for key, part in rows_by(means, PredictionKey._fields).items()
     }
 
@@ -196,14 +188,12 @@ def _cell(rows: pa.Table) -> Cell:
     error = rows.column("error")[0].as_py()
     if error is not None:
         return Cell((), np.empty(0), np.empty(0), None, error)
-    cell, _ = average_objects(rows, "sequences")
-    return replace(cell, seconds=rows.column("seconds")[0].as_py())
+    return replace(_averaged(rows), seconds=rows.column("seconds")[0].as_py())
 
 
-def average_objects(rows: pa.Table, counted: str) -> tuple[Cell, NDArray[np.float64]]:
-    """Return `by_object.average_by_object` as a cell, and each row's share of the test sequences of its split."""
-    means = average_by_object(rows, counted)
-    return Cell(means.objects, means.accuracy, means.weights), means.share
+def _averaged(rows: pa.Table) -> Cell:
+    found, _ = average_by_object(rows)
+    return Cell(found.objects, found.accuracy, found.weights)
 
 
 def _figures(cell: Cell, other: Cell | None, intervals: IntervalParameters) -> Row:
