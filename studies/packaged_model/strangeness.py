@@ -122,17 +122,27 @@ def areas(touched: Touched) -> pd.DataFrame:
     """Return the area under the ROC curve of each class left out against held-out known objects: one row per class."""
     known = np.unique(touched.classes[~np.isin(touched.classes, TEST_CLASSES)])
     groups = np.array_split(np.random.default_rng(SEED).permutation(known), GROUPS)
+    parts = [areas_of(touched, group, np.setdiff1d(known, group)) for group in groups]
+    return pd.concat(parts).sort_index()
+
+
+def areas_of_test_classes(touched: Touched) -> pd.DataFrame:
+    """Return the area under the ROC curve of each test class against held-out known objects: one row per class."""
+    is_test = np.isin(touched.classes, TEST_CLASSES)
+    strange, known = np.unique(touched.classes[is_test]), np.unique(touched.classes[~is_test])
+    return areas_of(touched, strange, known)
+
+
+def areas_of(touched: Touched, strange: NDArray[np.str_], known: NDArray[np.str_]) -> pd.DataFrame:
+    """Return the mean area over the models of `FOLDS` folds of known objects: one row per strange class."""
+    others = np.flatnonzero(np.isin(touched.classes, strange))
     found: list[dict[str, Any]] = []
-    for left_out in groups:
-        objects = np.flatnonzero(np.isin(touched.classes, np.setdiff1d(known, left_out)))
-        strange = np.flatnonzero(np.isin(touched.classes, left_out))
-        for train, test in divided(touched, objects):
-            asked = touched.of(np.concatenate([test, strange]))
-            scores = score(touched.of(train), asked)
-            held_out = scores[np.isin(scores.index, test)]
-            for name in left_out:
-                of_class = scores[touched.classes[scores.index] == name]
-                found.append({"class": name, **area(of_class, held_out)})
+    for train, test in divided(touched, np.flatnonzero(np.isin(touched.classes, known))):
+        scores = score(touched.of(train), touched.of(np.concatenate([test, others])))
+        held_out = scores[np.isin(scores.index, test)]
+        for name in strange:
+            of_class = scores[touched.classes[scores.index] == name]
+            found.append({"class": name, **area(of_class, held_out)})
     return pd.DataFrame(found).groupby("class").mean()
 
 
@@ -185,14 +195,18 @@ def unknown(touched: Touched, names: Sequence[str]) -> pd.DataFrame:
     return pd.concat(found)
 
 
-def choose(by_class: pd.DataFrame) -> tuple[str, Mapping[str, float]]:
-    """Return the score with the largest mean area, and its gain over `TODAY` with p value over the classes left out."""
-    best = str(by_class.drop(columns=TODAY).mean().idxmax())
+def choose(by_class: pd.DataFrame) -> str:
+    """Return the score, other than `TODAY`, with the largest mean area."""
+    return str(by_class.drop(columns=TODAY).mean().idxmax())
+
+
+def gain_of(best: str, by_class: pd.DataFrame) -> Mapping[str, float]:
+    """Return the gain in area of a score over `TODAY`, with its interval for new classes and p value."""
     weights = np.ones(len(by_class))
     compared = compare_paired(
         by_class[best].to_numpy(), by_class[TODAY].to_numpy(), weights, IntervalParameters()
     )
-    return best, {
+    return {
         "gain": compared.difference.mean,
         "low": compared.difference.low,
         "high": compared.difference.high,
@@ -209,12 +223,16 @@ def main() -> None:
     touched = gather(features.filter(pc.equal(features["strategy"], "fixation")))
     with one_thread():
         by_class = areas(touched)
-        best, gain = choose(by_class)
+        best = choose(by_class)
+        gain = gain_of(best, by_class)
+        of_test_classes = areas_of_test_classes(touched)
         found: dict[str, Any] = {
             "areas": by_class.mean().round(3).to_dict(),
             "best": best,
             "gain": gain,
             "taken": bool(gain["p_value"] < LEVEL and gain["gain"] > 0),
+            "areas of test classes": of_test_classes.mean().round(3).to_dict(),
+            "gain on test classes": gain_of(best, of_test_classes),
         }
         called = unknown(touched, (TODAY, best))
     shares = called.groupby("strange").mean()

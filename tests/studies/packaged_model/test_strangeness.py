@@ -9,7 +9,16 @@ import pandas as pd
 import pytest
 
 from packaged_model import strangeness
-from packaged_model.strangeness import TODAY, Touched, areas, choose, score, unknown
+from packaged_model.strangeness import (
+    TODAY,
+    Touched,
+    areas,
+    areas_of_test_classes,
+    choose,
+    gain_of,
+    score,
+    unknown,
+)
 from visuohaptic.meshes.catalogue import TEST_CLASSES
 
 VIEWS, OBJECTS = 4, 10
@@ -63,10 +72,23 @@ def test_no_object_of_a_test_class_counts_in_the_choice(known, monkeypatch):
 def test_the_rule_takes_the_largest_mean_area():
     by_class = pd.DataFrame({TODAY: np.full(20, 0.6), "near": np.full(20, 0.7), "far": 0.8})
     by_class.loc[0, "near"] = 0.95
-    best, gain = choose(by_class)
-    assert best == "far"
+    assert choose(by_class) == "far"
+    gain = gain_of("far", by_class)
     assert gain["gain"] == pytest.approx(0.2)
     assert gain["p_value"] < 0.05
+
+
+def test_areas_of_test_classes_are_one_where_these_lie_far_from_every_known_class(
+    known, monkeypatch
+):
+    monkeypatch.setattr(strangeness, "FOLDS", 2)
+    names = [*np.unique(known.classes), *TEST_CLASSES[:2]]
+    centres = np.vstack([3 * np.eye(8)[:5], [-9.0] * 8, 3 * np.eye(8)[0]])
+    found = areas_of_test_classes(touched(names, centres))
+    assert [*found.index] == sorted(TEST_CLASSES[:2])
+    assert found.loc[TEST_CLASSES[0], TODAY] == 1
+    # The second test class lies on a known class.
+    assert found.loc[TEST_CLASSES[1], TODAY] < 0.7
 
 
 def test_known_objects_are_called_unknown_once_and_strange_ones_by_each_model(known, monkeypatch):
@@ -85,13 +107,21 @@ def test_the_page_says_what_was_measured():
     areas, best = found["areas"], found["best"]
     assert best == max(areas, key=areas.get)
     assert found["taken"] == (found["gain"]["p_value"] < 0.05 and found["gain"]["gain"] > 0)
+    of_test, again = found["areas of test classes"], found["gain on test classes"]
+    assert again["gain"] == pytest.approx(of_test[best] - of_test[TODAY], abs=0.001)
+    assert again["low"] < 0 < again["high"]
+    assert "on the seven test classes its lead is not shown" in page
+    assert (
+        f"gain is {again['gain']:.3f} ({again['low']:.3f} to {again['high']:.3f})".replace("-", "−")
+        in page
+    )
     strange, known = found["test classes"], found["known classes"]
-    assert strange[best] < strange[TODAY]
-    assert "on the test classes it notices fewer unknown objects" in page
     assert (
         f"it calls {100 * strange[best]:.0f} % unknown, and today's score {100 * strange[TODAY]:.0f} %"
         in page
     )
-    assert f"it calls {100 * known[best]:.0f} % of {known['objects']} held-out objects" in page
+    assert f"of {known['objects']} held-out objects of known classes" in page
     for name, area in areas.items():
-        assert re.search(rf"\| {re.escape(name)}( \(today's\))? \| {area:.3f} \|", page)
+        assert re.search(
+            rf"\| {re.escape(name)}( \(today's\))? \| {area:.3f} \| {of_test[name]:.3f} \|", page
+        )
