@@ -202,9 +202,10 @@ class PolicySession:
             )
         return point
 
-    def _error(self, fault: str) -> PolicyError:
+    def _error(self, deed: str) -> PolicyError:
+        """Return the error of a policy for its `deed`, such as ``raised ValueError``. Tries count from 0."""
         where = f"{self.key}, viewpoint {self.viewpoint}, try {len(self.felt)}"
-        return PolicyError(f"policy {self.policy.name}, {where}: it {fault}.", self.policy.name)
+        return PolicyError(f"policy {self.policy.name}, {where}: it {deed}.", self.policy.name)
 
 
 @dataclass(eq=False)

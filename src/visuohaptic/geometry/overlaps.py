@@ -112,9 +112,10 @@ def repeat_with_ranges(
 def _lying_on_each_other(
     surface: Surface, first: IntArray, second: IntArray, distance: float
 ) -> IntArray:
-    """Return the pairs of faces that lie in one plane and overlap, (k, 2)."""
+    """Return the pairs of faces that overlap, one of them within `distance` of the plane of the other, (k, 2)."""
     near = _extents_meet(surface, first, second, distance)
     pairs = np.column_stack([first[near], second[near]])
+    # By the separating axis theorem, two triangles of a plane overlap if they do so for each of their six edges.
     for edge in range(6):
         first, second = pairs.T if edge < 3 else pairs.T[::-1]
         pairs = pairs[_overlaps_along(surface, first, second, edge % 3) > _LEAST_OVERLAP]
@@ -137,7 +138,6 @@ def _extents_meet(
 
 def _overlaps_along(surface: Surface, first: IntArray, second: IntArray, edge: int) -> FloatArray:
     """Compute how far two triangles of a plane overlap perpendicular to an edge of the first, (p,)."""
-    # By the separating axis theorem, two triangles overlap if they do so for each of their six edges.
     start, end, across = (surface.triangles[first, (edge + step) % 3] for step in range(3))
     inwards = np.cross(surface.face_normals[first], end - start)
     inwards /= np.sqrt(dot(inwards, inwards))[:, None]

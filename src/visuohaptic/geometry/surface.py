@@ -72,15 +72,15 @@ def write_set_aside(path: str | Path, reason: str) -> None:
 
 def set_aside_reason(path: str | Path) -> str | None:
     """Return why the object of a mesh file was set aside; None for an object that takes part."""
-    return next(_sentences(path, _SET_ASIDE), None)
+    return next(_sentences_in_header(path, _SET_ASIDE), None)
 
 
 def notes_of(path: str | Path) -> list[str]:
     """Read only the notes of a mesh file."""
-    return list(_sentences(path, _NOTE))
+    return list(_sentences_in_header(path, _NOTE))
 
 
-def _sentences(path: str | Path, kind: str) -> Iterator[str]:
+def _sentences_in_header(path: str | Path, kind: str) -> Iterator[str]:
     start = f"comment {kind}"
     with open_regular(path) as stream:
         header = stream.read(_LONGEST_HEADER).partition(b"\nend_header")[0].decode(errors="replace")

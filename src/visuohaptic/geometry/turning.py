@@ -20,16 +20,16 @@ Turns = Literal["none", "vertical", "any"]
 
 
 def draw_rotation(turns: Turns, key: str, seed: int, draw: int = 0) -> FloatArray:
-    """Return the random rotation of an object.
+    """Return a random rotation.
 
     Parameters
     ----------
     turns : {"none", "vertical", "any"}
         ``vertical`` draws a uniform angle about y. ``any`` draws uniformly from all rotations (K. Shoemake, "Uniform random rotations", Graphics Gems III, 1992).
     key : str
-        The object, ``class/name``.
+        Name of what is rotated, such as an object, ``class/name``.
     seed, draw : int
-        The seed of the experiment, and the index of the draw.
+        The seed, and the index of the draw.
 
     Returns
     -------

@@ -188,10 +188,11 @@ def fit_certainty(
     same_strategy: BoolArray | None = None,
     folds: int = FOLDS,
 ) -> Certainty | None:
-    """Compute the scores of each training object by a model that was fitted without the object.
+    """Compute the nonconformity and novelty of each training object by a model that was fitted without the object.
 
-    Training objects that are the only object of their class, or have no sequence in `same_strategy`, get no scores.
-    They still train the models.
+    Both are computed by the number of views. Nonconformity is 1 minus the probability of the object's class; novelty is
+    `Reference.novelty`. Training objects that are the only object of their class, or have no sequence in `same_strategy`,
+    get no scores. They still train the models.
 
     Parameters
     ----------
@@ -233,7 +234,7 @@ def fit_certainty(
         descriptors = descriptors_of(prepared)
         logs = log_probabilities(model[-1], prepared, int(labels.max()) + 1)
         reference_rows = train[same_strategy[train]]
-        reference = fit_reference(
+        without_held_out = fit_reference(
             descriptors_of(model[:-1].transform(rows[reference_rows])), owners[reference_rows]
         )
         for owner in np.unique(owners[held_out]):
@@ -242,7 +243,7 @@ def fit_certainty(
             for row, chosen in enumerate(_view_masks(len(views_of_object), index)):
                 pooled = pooled_log_probabilities(logs[views_of_object], chosen[None])[0]
                 nonconformity[row, index] = 1 - np.exp(pooled[class_of_object[index]])
-                novelty[row, index] = reference.novelty(descriptors[views_of_object][chosen])
+                novelty[row, index] = without_held_out.novelty(descriptors[views_of_object][chosen])
     reference = fit_reference(
         descriptors_of(final[:-1].transform(rows[same_strategy])), owners[same_strategy]
     )

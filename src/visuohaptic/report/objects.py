@@ -302,9 +302,12 @@ def _view_page(
     )
 
 
-def _marks(looked: pa.Table, squares: Mapping[int, Any], height: int, width: int) -> list[Row]:
-    """Return the position of each fixation, the middle of its pixel; rows without a pixel are left out."""
-    rows = looked.select(["touch", "pixel_row", "pixel_column"]).to_pylist()
+def _marks(fixations: pa.Table, outlines: Mapping[int, Any], height: int, width: int) -> list[Row]:
+    """Return the middle of the pixel of each fixation, and the outline of its touch in the picture, () without a touch.
+
+    Fixations without a pixel are left out.
+    """
+    rows = fixations.select(["touch", "pixel_row", "pixel_column"]).to_pylist()
     return [
         {
             "number": row["touch"] + 1,
@@ -313,7 +316,7 @@ def _marks(looked: pa.Table, squares: Mapping[int, Any], height: int, width: int
             "place": place_in_view(
                 row["pixel_row"] + 0.5, row["pixel_column"] + 0.5, height, width
             ),
-            "square": squares.get(row["touch"], ()),
+            "square": outlines.get(row["touch"], ()),
         }
         for row in rows
         if row["pixel_row"] is not None and row["pixel_column"] is not None
