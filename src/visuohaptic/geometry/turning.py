@@ -27,7 +27,7 @@ def draw_rotation(turns: Turns, key: str, seed: int, draw: int = 0) -> FloatArra
     turns : {"none", "vertical", "any"}
         ``vertical`` draws a uniform angle about y. ``any`` draws uniformly from all rotations (K. Shoemake, "Uniform random rotations", Graphics Gems III, 1992).
     key : str
-        Name of what is rotated, such as an object, ``class/name``.
+        Name of the rotated thing, such as an object, ``class/name``.
     seed, draw : int
         The seed, and the index of the draw.
 

@@ -303,10 +303,7 @@ def _view_page(
 
 
 def _marks(fixations: pa.Table, outlines: Mapping[int, Any], height: int, width: int) -> list[Row]:
-    """Return the middle of the pixel of each fixation, and the outline of its touch in the picture, () without a touch.
-
-    Fixations without a pixel are left out.
-    """
+    """Return the middle of the pixel of each fixation that has one, and the outline of its touch, () without a touch."""
     rows = fixations.select(["touch", "pixel_row", "pixel_column"]).to_pylist()
     return [
         {
