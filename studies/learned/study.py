@@ -7,8 +7,8 @@ Written before the figures of several views and of turned objects were computed,
 2. By all views of an object together, with the most touches (12 settings).
 3. On turned objects, by one view and by all, with the most touches (12 settings; study `learned_turned`).
 
-A fourth question was written after a trial with 16 touches by fixation in frames `full` and `none`, where the gains were
-+3.0 and +4.3 points:
+A fourth question was written after a trial on the same 75 objects with 16 touches by fixation in frames `full` and
+`none`, where the gains were +3.0 and +4.3 points:
 
 4. By one view of upright objects, with twenty touches (12 settings).
 """
@@ -31,7 +31,7 @@ FRAMES: tuple[Frame, ...] = get_args(Frame)
 TOUCHES = (1, 5)
 """Numbers of touches per sequence, of the first three questions."""
 LONG = 20
-"""Touches per sequence of the fourth question. A view with fewer places is touched there again."""
+"""Touches per sequence of the fourth question. A view with fewer places repeats places from the first."""
 
 
 def conditions(run: ExperimentParameters) -> Iterator[Condition]:

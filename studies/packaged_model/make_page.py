@@ -92,9 +92,10 @@ def blocks_of_scores() -> dict[str, str]:
     if not found["taken"] or not again["low"] < 0 < again["high"]:
         raise ValueError("the answer on scores has another form today: write its sentence again.")
     text = (
-        f"**One score is ahead of today's on classes that were left out of training; on the seven test classes its lead is not "
-        f"shown.** On left-out classes *{best}* has the largest area, {gain['gain']:.3f} more than today's "
-        f"({gain['low']:.3f} to {gain['high']:.3f}, p {gain['p_value']:.2g}), and by the rule it is taken in. On the test "
+        f"**The best of five other scores is ahead of today's on classes that were left out of training; on the seven test "
+        f"classes its lead is not shown.** On left-out classes *{best}* has the largest area, {gain['gain']:.3f} more than "
+        f"today's ({gain['low']:.3f} to {gain['high']:.3f}, p {gain['p_value']:.2g}, not corrected for the choice), and by "
+        f"the rule it is taken in. On the test "
         f"classes its gain is {again['gain']:.3f} (−{-again['low']:.3f} to {again['high']:.3f}). Of their "
         f"{strange['objects']} objects it calls "
         f"{share(strange[best], 0)} unknown, and today's score {share(strange[today], 0)}; of {known['objects']} held-out "

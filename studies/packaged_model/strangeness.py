@@ -200,7 +200,7 @@ def choose(by_class: pd.DataFrame) -> str:
     return str(by_class.drop(columns=TODAY).mean().idxmax())
 
 
-def gain_of(best: str, by_class: pd.DataFrame) -> Mapping[str, float]:
+def gain_in_area(best: str, by_class: pd.DataFrame) -> Mapping[str, float]:
     """Return the gain in area of a score over `TODAY`, with its interval for new classes and p value."""
     weights = np.ones(len(by_class))
     compared = compare_paired(
@@ -224,7 +224,7 @@ def main() -> None:
     with one_thread():
         by_class = areas(touched)
         best = choose(by_class)
-        gain = gain_of(best, by_class)
+        gain = gain_in_area(best, by_class)
         of_test_classes = areas_of_test_classes(touched)
         found: dict[str, Any] = {
             "areas": by_class.mean().round(3).to_dict(),
@@ -232,7 +232,7 @@ def main() -> None:
             "gain": gain,
             "taken": bool(gain["p_value"] < LEVEL and gain["gain"] > 0),
             "areas of test classes": of_test_classes.mean().round(3).to_dict(),
-            "gain on test classes": gain_of(best, of_test_classes),
+            "gain on test classes": gain_in_area(best, of_test_classes),
         }
         called = unknown(touched, (TODAY, best))
     shares = called.groupby("strange").mean()

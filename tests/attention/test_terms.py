@@ -1,5 +1,7 @@
 """Terms on shapes where their values are known, and what they do to saliency."""
 
+from operator import itemgetter
+
 import numpy as np
 import pytest
 from attention import scenes
@@ -12,6 +14,7 @@ from visuohaptic.attention import (
     AttentionParameters,
     ChannelWeights,
     attend,
+    parameters,
 )
 from visuohaptic.attention.model import term_planes
 from visuohaptic.attention.parameters import read_fitted_weights
@@ -122,14 +125,22 @@ def test_equal_is_1_for_every_channel_and_the_default_for_the_five_that_the_pape
     assert set(equal.weights.model_dump().values()) == {1.0}
 
 
-def test_the_learnt_weights_say_where_they_come_from_and_a_channel_that_came_later_has_weight_0():
+def test_the_learnt_weights_say_where_they_come_from_and_name_only_channels_and_terms():
     learnt = read_fitted_weights()
     assert set(learnt) == {"source", "date", "command", "channels", "terms", "objects", "sha256"}
     assert set(learnt["channels"]) <= set(CHANNELS)
     assert set(learnt["terms"]) == set(TERMS)
-    weights = AttentionParameters(weights="human_channels").weights
-    assert weights == ChannelWeights(**{**dict.fromkeys(CHANNELS, 0.0), **learnt["channels"]})
-    assert sum(weight > 0 for weight in weights.model_dump().values()) == 5
+    weights = AttentionParameters(weights="human_channels").weights.model_dump()
+    assert weights == {**dict.fromkeys(CHANNELS, 0.0), **learnt["channels"]}
+    assert sum(weight > 0 for weight in weights.values()) == 5
+
+
+def test_a_channel_without_a_learnt_weight_has_weight_0(monkeypatch):
+    learnt = read_fitted_weights()
+    name, _ = max(learnt["channels"].items(), key=itemgetter(1))
+    del learnt["channels"][name]
+    monkeypatch.setattr(parameters, "read_fitted_weights", lambda: learnt)
+    assert AttentionParameters(weights="human_channels").weights.model_dump()[name] == 0
 
 
 def test_other_names_of_weights_are_refused():

@@ -504,15 +504,15 @@ def answer_make():
 
 
 def start_run():
-    """Write the snapshots of the jobs of this run, and let Snakemake plan only when a job has ended."""
+    """Write the snapshots of the jobs of this run, and let Snakemake select jobs only when a job has ended."""
     if not DECIDES:
         return
     pass_termination_on()
-    if workflow.local_exec and not values_of_option(
-        sys.argv, "--max-jobs-per-timespan"
-    ):
-        # Snakemake limits the jobs per second. Each plan starts a timer for the next plan, and each job that ends adds a
-        # plan (github.com/snakemake/snakemake/pull/3744): the plans per second grow with the jobs of the run.
+    limit = workflow.scheduling_settings.max_jobs_per_timespan
+    is_default = limit is not None and (limit.max_jobs, limit.timespan) == (100, 1)
+    if workflow.local_exec and is_default:
+        # Snakemake's default limit of jobs per second starts a timer at each selection of jobs, and each job that ends adds
+        # a selection (github.com/snakemake/snakemake/pull/3744): selections per second grow with the jobs of the run.
         workflow.scheduler.job_rate_limiter = None
     or_stop(atomic_write_text, SNAPSHOTS_FILE, json.dumps(SNAPSHOTS))
 

@@ -190,7 +190,7 @@ def fit_certainty(
 ) -> Certainty | None:
     """Compute the nonconformity and novelty of each training object by a model that was fitted without the object.
 
-    Both are computed by the number of views. Nonconformity is 1 minus the probability of the object's class; novelty is
+    Both are computed per number of views. Nonconformity is 1 minus the probability of the object's class; novelty is
     `Reference.novelty`. Training objects that are the only object of their class, or have no sequence in `same_strategy`,
     get no scores. They still train the models.
 

@@ -15,7 +15,7 @@ from packaged_model.strangeness import (
     areas,
     areas_of_test_classes,
     choose,
-    gain_of,
+    gain_in_area,
     score,
     unknown,
 )
@@ -73,12 +73,12 @@ def test_the_rule_takes_the_largest_mean_area():
     by_class = pd.DataFrame({TODAY: np.full(20, 0.6), "near": np.full(20, 0.7), "far": 0.8})
     by_class.loc[0, "near"] = 0.95
     assert choose(by_class) == "far"
-    gain = gain_of("far", by_class)
+    gain = gain_in_area("far", by_class)
     assert gain["gain"] == pytest.approx(0.2)
     assert gain["p_value"] < 0.05
 
 
-def test_areas_of_test_classes_are_one_where_these_lie_far_from_every_known_class(
+def test_areas_of_test_classes_are_1_far_from_every_known_class_and_small_on_a_known_class(
     known, monkeypatch
 ):
     monkeypatch.setattr(strangeness, "FOLDS", 2)
@@ -120,7 +120,8 @@ def test_the_page_says_what_was_measured():
         f"it calls {100 * strange[best]:.0f} % unknown, and today's score {100 * strange[TODAY]:.0f} %"
         in page
     )
-    assert f"of {known['objects']} held-out objects of known classes" in page
+    shares = " and ".join(f"{100 * known[name]:.0f} %" for name in (best, TODAY))
+    assert f"of {known['objects']} held-out objects of known classes {shares}" in page
     for name, area in areas.items():
         assert re.search(
             rf"\| {re.escape(name)}( \(today's\))? \| {area:.3f} \| {of_test[name]:.3f} \|", page

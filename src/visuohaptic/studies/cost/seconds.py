@@ -184,7 +184,7 @@ def time_object(
         choices = evenly_spaced_subsets(
             fitted.parameters.viewpoints.total, fitted.setting.viewpoints
         )
-        # Each turn looks from other viewpoints: from the next choice but two, because neighbouring choices see almost the same.
+        # Each turn skips two choices of viewpoints: neighbouring choices see almost the same.
         subject = Subject(key, lambda: prepared.caster, choices[3 * turn % len(choices)].tolist())
         with suppress(*REFUSALS):
             touched.append((fitted, *look_and_touch(subject, prepared, fitted)))
