@@ -13,6 +13,7 @@ from filling import (
     fill_page,
     legend_beside,
     measured,
+    read_json,
     resized,
     save_picture,
     share,
@@ -21,6 +22,7 @@ from filling import (
 )
 from matplotlib.figure import Figure
 
+from known_objects.network import MEASURED, TOUCHES, count_shown
 from visuohaptic.report.estimates import estimate_of
 from visuohaptic.report.figures import Series, draw_by_touches
 
@@ -47,6 +49,7 @@ def blocks() -> dict[str, str]:
         "answer": wrapped(answer_sentence(sets)),
         "accuracy": table(heads, _rows(sets)),
         "leads": wrapped(lead_sentence(sets)),
+        "network": wrapped(network_sentence(read_json(MEASURED))),
         "measured": measured(HERE, {name: f"{words} objects" for name, words in SETS.items()}),
     }
 
@@ -78,6 +81,25 @@ def lead_sentence(sets: Sets) -> str:
     return (
         f"{verdict}Of {len(shown)} intervals of its lead over random places {sum(shown)} exclude 0; in points by touches, p not "
         f"corrected: {'; '.join(said)}."
+    )
+
+
+def network_sentence(found: Mapping[str, list[Figures]]) -> str:
+    """Return the accuracies by fixation of both pipelines, and how many gains stand after Holm's correction."""
+    said = []
+    for name, words in SETS.items():
+        by_touches = " and ".join(
+            f"{share(row['order_free'])} → {share(row['learned'])}, {difference(row, 'gain', 'low', 'high')}, with "
+            f"{row['touches']} touches"
+            for row in found[name]
+            if row["strategy"] == "fixation"
+        )
+        said.append(f"On {words} objects: {by_touches}.")
+    shown, total = count_shown(found)
+    return (
+        f"**By pipeline `learned` in place of `order_free` {shown} of {total} gains are shown** (both ways of touching, "
+        f"{' and '.join(map(str, TOUCHES))} touches, Holm's correction for all; no question was written before). By fixation: "
+        f"{' '.join(said)}"
     )
 
 

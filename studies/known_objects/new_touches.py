@@ -78,8 +78,7 @@ def answer_new_touches(turned: Sequence[Turned], strategy: str, seed: int) -> pa
     or two turns of an object were touched at the same point.
     """
     made = [
-        replace(one, features=_first_touches(one.features, strategy, MOST_TOUCHES))
-        for one in turned
+        replace(one, features=first_touches(one.features, strategy, MOST_TOUCHES)) for one in turned
     ]
     if not any(one.features.num_rows for one in made):
         raise RecognitionError(f"No view of any object has {MOST_TOUCHES} touches by {strategy}.")
@@ -188,7 +187,7 @@ def _classify(sequences: TouchSequences, described: FloatArray, split: Split) ->
     return probabilities
 
 
-def _first_touches(features: pa.Table, strategy: str, touches: int) -> pa.Table:
+def first_touches(features: pa.Table, strategy: str, touches: int) -> pa.Table:
     """Return the first touches of the views of a strategy that have enough, and log the views without."""
     made = pc.and_(
         pc.equal(features.column("strategy"), strategy), pc.less(features.column("touch"), touches)
