@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from filling import fill_page, plain, resized, save_picture, share, table, wrapped
+from filling import fill_page, plain, read_json, resized, save_picture, share, table, wrapped
 from matplotlib.figure import Figure
 
 from classifier_settings.half import choosing_objects
+from learned import all_classes
 from learned.curves import FRAMES as CURVE_FRAMES
 from learned.study import FRAMES, PIPELINES, STRATEGIES, TOUCHES
 from learned.training import OPTIONS, taken
@@ -85,7 +86,9 @@ def blocks() -> dict[str, str]:
             f"{sentence(*many)} {turned_sentence(*turned)} {others_sentence(*few)}"
         ),
         "comparison": table(heads, [*lines(many, UPRIGHT), *lines(turned, TURNED_POSES)]),
-        "sure": wrapped(sure_sentence(pd.read_parquet(kept_file(MODELS, "all")))),
+        "sure": wrapped(
+            f"{sure_sentence(pd.read_parquet(kept_file(MODELS, 'all')))} {frames_sentence(read_json(all_classes.MEASURED))}"
+        ),
         "questions": wrapped(question_sentence(many[0])),
         "sources": wrapped(f"Measured once and kept; {'; '.join(sources)}."),
     }
@@ -307,15 +310,38 @@ def sure_sentence(answers: pd.DataFrame) -> str:
     )
 
 
+def frames_sentence(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return the accuracies on set ``all`` in the frames other than that of the package's model."""
+    first, *_ = rows
+    gains = (
+        f"{KNOWN[row['frame']]} known, {gain_in_words(row['order_free'], row['learned'], row['gain'], row['intervals'])}"
+        for row in rows
+        if row["frame"] != "vertical"
+    )
+    return (
+        f"In other frames, {first['objects']} of the objects, of which 67 chose the settings, have from "
+        f"one view: {'; '.join(gains)} (no question was written before)."
+    )
+
+
 def gain_of_models(answers: pd.DataFrame, column: str) -> str:
     """Write the mean of a column of both pipelines, and their difference with its intervals for new objects and classes."""
     wide = answers.pivot(index=["class", "object"], columns="pipeline", values=column)
     before, after = (wide[name].to_numpy() for name in PIPELINES)
     classes = wide.index.get_level_values("class").tolist()
     compared = compare_paired(after, before, np.ones(len(wide)), INTERVALS, classes)
-    intervals = compared.difference, compared.difference_new_classes
-    ends = "; ".join(f"{points(one.low)} to {points(one.high)}" for one in intervals)
-    return f"{share(before.mean())} → {share(after.mean())}, {points(compared.difference.mean)} ({ends})"
+    intervals = [
+        (one.low, one.high) for one in (compared.difference, compared.difference_new_classes)
+    ]
+    return gain_in_words(before.mean(), after.mean(), compared.difference.mean, intervals)
+
+
+def gain_in_words(
+    before: float, after: float, gain: float, intervals: Iterable[Sequence[float]]
+) -> str:
+    """Write two accuracies, and the gain with its intervals for new objects and classes in points."""
+    ends = "; ".join(f"{points(low)} to {points(high)}" for low, high in intervals)
+    return f"{share(before)} → {share(after)}, {points(gain)} ({ends})"
 
 
 def draw(gains: Gains) -> Figure:

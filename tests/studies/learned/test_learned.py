@@ -198,3 +198,19 @@ def test_the_page_says_how_often_sets_hold_the_class_of_objects_that_were_not_le
         assert re.search(
             rf"{100 * held:.1f} % \([^)]*\) by `{name}`, with {size:.1f} classes", text
         )
+
+
+def test_the_page_has_the_gains_on_set_all_by_the_known_part_of_the_pose():
+    rows = {row["frame"]: row for row in json.loads((FOLDER / "all_classes.json").read_text())}
+    text = " ".join((FOLDER / "README.md").read_text().split())
+    assert [*rows] == [*FRAMES]
+    for frame in ("full", "centre", "none"):
+        row = rows[frame]
+        assert row["gain"] == pytest.approx(row["learned"] - row["order_free"])
+        assert (
+            f"{KNOWN[frame]} known, {100 * row['order_free']:.1f} % → {100 * row['learned']:.1f} %, "
+            f"{100 * row['gain']:+.1f} (".replace("-", "−")
+            in text
+        )
+        for low, high in row["intervals"]:
+            assert low < row["gain"] < high
