@@ -19,6 +19,9 @@ NOT_DOCUMENTED = {
     "executor_plugin",  # whether this is a run or a question, such as --summary
     "dryrun",  # whether stale files stay
     "touch",  # refused
+    "local_exec",  # whether jobs run on this machine
+    "scheduling_settings",  # whether the limit of jobs per second is Snakemake's default
+    "scheduler",  # has this limit, whose timers add up
 }
 LIBRARY = list(ROOT.glob("workflow/lib/visuohaptic_workflow/*.py"))
 SCRIPTS = list(ROOT.glob("workflow/scripts/*.py"))
