@@ -319,8 +319,8 @@ def frames_sentence(rows: Sequence[Mapping[str, Any]]) -> str:
         if row["frame"] != "vertical"
     )
     return (
-        f"In other frames, {first['objects']} of the objects, of which 67 chose the settings, have from "
-        f"one view: {'; '.join(gains)} (no question was written before)."
+        f"In other frames, {first['objects']} of the objects, of which {len(choosing_objects())} chose the settings, have "
+        f"from one view: {'; '.join(gains)} (no question was written before)."
     )
 
 
