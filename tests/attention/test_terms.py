@@ -135,6 +135,11 @@ def test_the_learnt_weights_say_where_they_come_from_and_name_only_channels_and_
     assert sum(weight > 0 for weight in weights.values()) == 5
 
 
+def test_a_change_of_the_weights_that_were_read_is_no_change_of_the_next():
+    read_fitted_weights()["channels"].clear()
+    assert read_fitted_weights()["channels"]
+
+
 def test_a_channel_without_a_learnt_weight_has_weight_0(monkeypatch):
     learnt = read_fitted_weights()
     name, _ = max(learnt["channels"].items(), key=itemgetter(1))

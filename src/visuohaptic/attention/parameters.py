@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-from functools import cache
 from importlib.resources import files
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
@@ -22,7 +21,6 @@ NAMED_WEIGHTS = ("equal", "human_channels")
 """Names of sets of weights, see `AttentionParameters`."""
 
 
-@cache
 def read_fitted_weights() -> dict[str, Any]:
     """Read the weights that were fitted to people's gaze: `channels` and `terms` by name, and their origin."""
     text = files(__package__).joinpath("human_weights.json").read_text(encoding="utf-8")
