@@ -78,3 +78,12 @@ def test_pkva_diamond_filters_leak_zero_frequency_as_known():
 def test_unknown_filters_are_named(look_up, name):
     with pytest.raises(FilterError, match=f"{name}.*names are"):
         look_up(name)
+
+
+@pytest.mark.parametrize("name", ["9-7", "5-3", "haar", "bior4.4"])
+def test_no_caller_can_change_the_filters_of_others(name):
+    filters = pyramid_filters(name)
+    shared = [filters.analysis, filters.synthesis, ladder_taps("pkva"), *diamond_filters("pkva6")]
+    for taps in shared:
+        with pytest.raises(ValueError, match="read-only"):
+            taps[0] = 2

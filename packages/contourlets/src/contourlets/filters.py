@@ -82,6 +82,12 @@ def pyramid_filter_names() -> tuple[str, ...]:
     return (*built_in, *pywt.wavelist("bior"), *pywt.wavelist("rbio"))
 
 
+def _read_only(values: Array) -> Array:
+    """Return an array that all callers share, and none can change."""
+    values.setflags(write=False)
+    return values
+
+
 def _mirror(half: list[float], centre: float) -> Array:
     return np.array([*half, centre, *half[::-1]])
 
@@ -95,19 +101,24 @@ def _trim(taps: list[float]) -> Array:
 def pyramid_filters(name: str) -> PyramidFilters:
     """Return a pair of lowpass filters for the Laplacian pyramid.
 
-    Names are `9-7` (Cohen, Daubechies & Feauveau 1992, with the 14 digits of the reference toolbox), `5-3`
-    (Le Gall & Tabatabai 1988), `haar`, and the `bior…` and `rbio…` wavelets of PyWavelets. Raises
-    `FilterError` if no pair has this name, or if PyWavelets is needed and not installed.
+    The taps are read-only. Names are `9-7` (Cohen, Daubechies & Feauveau 1992, with the 14 digits of the
+    reference toolbox), `5-3` (Le Gall & Tabatabai 1988), `haar`, and the `bior…` and `rbio…` wavelets of
+    PyWavelets. Raises `FilterError` if no pair has this name, or if PyWavelets is needed and not installed.
     """
+    analysis, synthesis = _pyramid_taps(name)
+    return PyramidFilters(_read_only(analysis), _read_only(synthesis))
+
+
+def _pyramid_taps(name: str) -> tuple[Array, Array]:
     if name == "9-7":
-        return PyramidFilters(_mirror(_NINE, _NINE_CENTRE), _mirror(_SEVEN, _SEVEN_CENTRE))
+        return _mirror(_NINE, _NINE_CENTRE), _mirror(_SEVEN, _SEVEN_CENTRE)
     if name == "5-3":
-        return PyramidFilters(
+        return (
             np.array([-1.0, 2.0, 6.0, 2.0, -1.0]) / (4 * np.sqrt(2)),
             np.array([1.0, 2.0, 1.0]) / (2 * np.sqrt(2)),
         )
     if name == "haar":
-        return PyramidFilters(np.full(2, np.sqrt(0.5)), np.full(2, np.sqrt(0.5)))
+        return np.full(2, np.sqrt(0.5)), np.full(2, np.sqrt(0.5))
     pywt = pywavelets()
     if name not in pyramid_filter_names():
         raise FilterError(
@@ -139,7 +150,7 @@ def _defects(analysis: Array, synthesis: Array) -> tuple[Array, Array]:
     return defect, jacobian
 
 
-def _polish(analysis: Array, synthesis: Array) -> PyramidFilters:
+def _polish(analysis: Array, synthesis: Array) -> tuple[Array, Array]:
     """Refine a pair to double precision, because some filters of PyWavelets have errors of 1e-12."""
     # Least-norm Newton steps, which change taps by no more than that error.
     for _ in range(2):
@@ -149,18 +160,18 @@ def _polish(analysis: Array, synthesis: Array) -> PyramidFilters:
         change = np.linalg.lstsq(jacobian, -defect, rcond=1e-8)[0]
         analysis = analysis + change[: len(analysis)]
         synthesis = synthesis + change[len(analysis) :]
-    return PyramidFilters(analysis, synthesis)
+    return analysis, synthesis
 
 
 @cache
 def ladder_taps(name: str) -> Array:
-    """Return the taps of the half-band prototype β of a `pkva` ladder: symmetric, of even length.
+    """Return the taps of the half-band prototype β of a `pkva` ladder: symmetric, of even length, read-only.
 
     S.-M. Phoong, C. W. Kim, P. P. Vaidyanathan, R. Ansari, "A new class of two-channel biorthogonal
     filter banks and wavelet bases", IEEE Trans. Signal Processing 43(3), 1995.
     """
     half = _LADDER_HALVES[name]
-    return np.array([*half[::-1], *half])
+    return _read_only(np.array([*half[::-1], *half]))
 
 
 @cache
@@ -198,7 +209,7 @@ def diamond_filters(name: str) -> tuple[Array, Array]:
     """Compute the non-separable diamond filters that are equivalent to a `pkva` ladder.
 
     Returns h0 = √2 (δ + B)/2, the lowpass, and h1 = √2 (δ − B(δ + B)/2), where B = β(z1 z2) β(z1/z2). For
-    β of n taps, h0 has 2 n − 1 rows and columns (23 for `pkva`), and h1 has 4 n − 3.
+    β of n taps, h0 has 2 n − 1 rows and columns (23 for `pkva`), and h1 has 4 n − 3. Both are read-only.
     """
     if name not in _LADDER_HALVES:
         raise FilterError(
@@ -216,4 +227,4 @@ def diamond_filters(name: str) -> tuple[Array, Array]:
     spectrum = np.fft.rfft2(product, (size, size)) * np.fft.rfft2(h0, (size, size))
     h1 = -np.fft.irfft2(spectrum, (size, size))
     h1[2 * n - 2, 2 * n - 2] += 1.0
-    return np.sqrt(2) * h0, np.sqrt(2) * h1
+    return _read_only(np.sqrt(2) * h0), _read_only(np.sqrt(2) * h1)
