@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := report
-.PHONY: report why verify check test test-all test-hard golden test-slurm test-installed meshes gaze draws cues first_touch first_touch_turned learned learned_turned turned keep baselines packaged_model bench wheels release paper readme params format lock clean
+.PHONY: report why verify check test test-all test-hard golden test-slurm test-installed meshes gaze draws cues first_touch first_touch_turned learned learned_all learned_turned turned keep baselines packaged_model bench wheels release paper readme params format lock clean
 .PHONY: site lint lint-types lint-code lint-workflow installed-alone installed-dvc
 
 export PYTHON ?= python3
@@ -123,6 +123,15 @@ learned_turned: $(READY)
 	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" -- results/learned_turned.parquet
 	@python -m visuohaptic.studies.keeping learned_turned $(SET)
 	@python -m learned.make_page
+
+# Both pipelines on set `all`, with leads of its fixations (studies/learned/README.md).
+learned_all: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs
+learned_all: $(READY)
+	@$(RUN) --cores $(JOBS) --config meshes="{set: all}" \
+	  probing="{strategies: [fixation, random, random_visible]}" -- features_all
+	@python -m learned.all_classes results/features
+	@python -m learned.make_page
+	@python docs/make_two_questions.py
 
 # The first touch by ways to choose its place (studies/first_touch/README.md): make first_touch SET=benchmark
 first_touch: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs

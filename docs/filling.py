@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 from PIL import Image
 
+from visuohaptic.evaluation.intervals import SIGNIFICANCE
 from visuohaptic.report.drawing import style
 from visuohaptic.report.estimates import Estimate
-from visuohaptic.report.leads import SIGNIFICANCE
 from visuohaptic.report.wording import listed, probability
 from visuohaptic.studies.keeping import kept_file, read_figures, read_source
 

@@ -24,9 +24,8 @@ from filling import (
     table,
 )
 
-from visuohaptic.evaluation.intervals import holm
+from visuohaptic.evaluation.intervals import SIGNIFICANCE, holm
 from visuohaptic.evaluation.own_fixations import count_own_fixations
-from visuohaptic.report.comparison import SIGNIFICANCE
 from visuohaptic.tables.schema import open_parquet
 
 PAGE = DOCS / "probing.md"

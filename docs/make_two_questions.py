@@ -4,16 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from filling import DOCS, fill_page, legend_beside, plain, resized, save_picture, table, wrapped
+from filling import (
+    DOCS,
+    fill_page,
+    legend_beside,
+    plain,
+    read_json,
+    resized,
+    save_picture,
+    table,
+    wrapped,
+)
 from matplotlib.figure import Figure
 
+from learned.all_classes import MEASURED, leads_of
 from turned.leads import KeptLead, KeptLeads, question_sentence, read_kept_leads
-from visuohaptic.evaluation.leads import LEADS
+from visuohaptic.evaluation.leads import LEADS, LEADS_OF, Question
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report import figures
 from visuohaptic.report.drawing import style
-from visuohaptic.report.estimates import with_interval
-from visuohaptic.report.leads import PLACES, verdict
+from visuohaptic.report.estimates import Row, with_interval
+from visuohaptic.report.leads import PLACES, Lead, verdict
 from visuohaptic.report.questions import QUESTIONS
 from visuohaptic.report.wording import points, titled
 
@@ -26,7 +37,11 @@ COLUMNS = ("sight", "seeing", "salience")
 
 def blocks(kept: KeptLeads) -> dict[str, str]:
     """Return the sentences and the table of the page by name of the block."""
-    return {"sentences": sentences(kept), "leads": leads_table(kept)}
+    return {
+        "sentences": sentences(kept),
+        "more classes": wrapped(more_classes_sentence(read_json(MEASURED)["leads"])),
+        "leads": leads_table(kept),
+    }
 
 
 def sentences(kept: KeptLeads) -> str:
@@ -34,6 +49,29 @@ def sentences(kept: KeptLeads) -> str:
     return "\n\n".join(
         wrapped(f"**{words}** {plain(question_sentence(question, kept))}")
         for question, words in QUESTIONS.items()
+    )
+
+
+def more_classes_sentence(rows: Sequence[Row]) -> str:
+    """Return how many leads are shown on set ``all``, and their range; `rows` are of `learned.all_classes`."""
+    leads = leads_of(rows)
+    return (
+        f"**And on more classes?** On {max(lead.objects for lead in leads)} objects of {rows[0]['classes']} classes (set "
+        f"`all`, upright, facing one way, five touches) pipelines `order_free` and `learned` know four parts of the pose. "
+        f"Places in sight lead random places in reach {shown_leads('seeing', leads)}. Fixations lead random places in sight "
+        f"{shown_leads('salience', leads)}. Holm's correction is for each question; there is one draw of places, and no "
+        f"question was written before ([learned](../studies/learned/README.md))."
+    )
+
+
+def shown_leads(question: Question, leads: Sequence[Lead]) -> str:
+    """Return in how many comparisons of a question a lead is shown, and the range of the leads."""
+    own = [lead for lead in leads if lead.name in LEADS_OF[question]]
+    found, drawn = verdict(own), verdict(own, "classes")
+    means = [lead.difference.mean for lead in own]
+    return (
+        f"in {len(found.ahead)} of {len(own)} comparisons and trail in {len(found.behind)} (for new classes in "
+        f"{len(drawn.ahead)} and {len(drawn.behind)}), by {points(min(means))} to {points(max(means))} points"
     )
 
 

@@ -22,9 +22,8 @@ from matplotlib.figure import Figure
 
 from eye_and_touch.section import draw_times
 from eye_and_touch.study import CHECKED, LOOK, PRODUCT, STOPPING, TOUCH
-from visuohaptic.evaluation.intervals import holm
+from visuohaptic.evaluation.intervals import SIGNIFICANCE, holm
 from visuohaptic.report.drawing import COLOURS, style
-from visuohaptic.report.leads import SIGNIFICANCE
 
 HERE = Path(__file__).parent
 PAGE = HERE / "README.md"

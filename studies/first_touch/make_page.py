@@ -14,7 +14,7 @@ from first_touch.study import FRAMES, RULES, TOUCHES
 from first_touch.summary import LABELS, Place, accuracies, lead, read_kept
 from first_touch_turned.study import TURNS
 from visuohaptic.attention.registry import CHANNELS
-from visuohaptic.evaluation.intervals import PairedComparison, holm
+from visuohaptic.evaluation.intervals import SIGNIFICANCE, PairedComparison, holm
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.estimates import estimate, with_interval
@@ -44,8 +44,6 @@ _SHORT = {
 """Opponents of the table; p values are corrected for all `RIVALS`."""
 PIPELINES = {"order_free": "our pipeline", "paper": "the paper's pipeline"}
 INTERVALS = IntervalParameters()
-LEVEL = 0.05
-"""A lead is shown if its p value, corrected by Holm where several leads are compared, is below this level."""
 
 
 Leads = Mapping[tuple[Place, str], PairedComparison]
@@ -124,7 +122,7 @@ def turned_sentence(leads: Leads) -> str:
     )
     adjusted = zip(leads.items(), holm([one.p_value for one in leads.values()]), strict=True)
     turned = [
-        int(np.sign(found.difference.mean)) if p < LEVEL else 0
+        int(np.sign(found.difference.mean)) if p < SIGNIFICANCE else 0
         for ((place, rival), found), p in adjusted
         if place.turns != "none" and rival == "random_visible"
     ]
@@ -140,7 +138,7 @@ def few_sentence(rows: pd.DataFrame) -> str:
     """Return how many leads of strategy `human` stand on few objects, in all poses."""
     leads = human_leads(rows).values()
     (objects,) = {one.objects for one in leads}
-    stand = sum(p < LEVEL for p in holm([found.p_value for found in leads]))
+    stand = sum(p < SIGNIFICANCE for p in holm([found.p_value for found in leads]))
     return f"- On the paper's {objects} objects, upright and turned, {stand} of {len(leads)} such leads stand after correction."
 
 
@@ -177,7 +175,7 @@ def part_sentence(rows: pd.DataFrame) -> str:
     leads = first_touch_leads(rows)
     adjusted = holm([one.p_value for one in leads.values()])
     sides = {
-        key: int(np.sign(one.difference.mean)) if p < LEVEL else 0
+        key: int(np.sign(one.difference.mean)) if p < SIGNIFICANCE else 0
         for (key, one), p in zip(leads.items(), adjusted, strict=True)
     }
     ahead, channels = [], []
@@ -238,8 +236,8 @@ def sentence(rows: pd.DataFrame) -> str:
 
 
 def _sign(compared: PairedComparison) -> int:
-    """Return 1 for a lead that is ahead, -1 for a lead that is behind, and 0 if the p value is no smaller than `LEVEL`."""
-    return int(np.sign(compared.difference.mean)) if compared.p_value < LEVEL else 0
+    """Return 1 for a lead that is ahead, -1 for a lead that is behind, and 0 if the p value is no smaller than `SIGNIFICANCE`."""
+    return int(np.sign(compared.difference.mean)) if compared.p_value < SIGNIFICANCE else 0
 
 
 def _both(compared: PairedComparison) -> str:
@@ -283,7 +281,7 @@ def in_words(found: list[PairedComparison]) -> list[str]:
     written = []
     for one, p in zip(found, holm([one.p_value for one in found]), strict=True):
         words = with_interval(estimate(one.difference), points)
-        written.append(f"**{words}**" if p < LEVEL else words)
+        written.append(f"**{words}**" if p < SIGNIFICANCE else words)
     return written
 
 

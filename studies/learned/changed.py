@@ -50,7 +50,7 @@ class Changed(NamedTuple):
 
 def named(features: pa.Table, pipeline: str) -> dict[tuple[str, int], str]:
     """Return the named class of each view by fixation, by object and viewpoint; each object is tested once."""
-    sequences, splits = divided(features, "full", pipeline)
+    sequences, splits = divided(features, STRATEGIES[0], "full", pipeline)
     parts = pipeline_of(pipeline, parameters_of("full"), SEED)
     return {
         ("/".join(sequences.objects[sequences.object_index[row]]), int(sequences.viewpoint[row])): (

@@ -53,10 +53,12 @@ def parameters_of(frame: Frame) -> RecognitionParameters:
     )
 
 
-def divided(features: pa.Table, frame: Frame, pipeline: str) -> tuple[TouchSequences, list[Split]]:
-    """Return the sequences by fixation, and the splits of study `learned`; each object is tested once."""
+def divided(
+    features: pa.Table, strategy: str, frame: Frame, pipeline: str
+) -> tuple[TouchSequences, list[Split]]:
+    """Return the sequences by a strategy, and the splits of study `learned`; each object is tested once."""
     parameters = parameters_of(frame)
-    table, _ = take_strategy(features, STRATEGIES[0], parameters.touches)
+    table, _ = take_strategy(features, strategy, parameters.touches)
     sequences = gather_pipeline(table, parameters, pipeline, SEED)
     return sequences, draw_splits(sequences, parameters.protocol, SEED)
 
@@ -71,10 +73,10 @@ def training_objects(sequences: TouchSequences, train: IntArray, count: int | No
 
 
 def accuracies(
-    features: pa.Table, frame: Frame, pipeline: str, count: int | None
+    features: pa.Table, strategy: str, frame: Frame, pipeline: str, count: int | None = None
 ) -> Iterator[tuple[str, float]]:
     """Yield each object, ``class/name``, with the share of its views that is classified right."""
-    sequences, splits = divided(features, frame, pipeline)
+    sequences, splits = divided(features, strategy, frame, pipeline)
     owners = sequences.object_index
     fewer = []
     for split in splits:
@@ -91,7 +93,7 @@ def accuracies(
 def measure(features: pa.Table) -> Iterator[dict[str, Any]]:
     """Yield one row per frame, pipeline and number of training objects, over objects that chose nothing."""
     for frame, pipeline, count in product(FRAMES, PIPELINES, COUNTS):
-        found = dict(accuracies(features, frame, pipeline, count))
+        found = dict(accuracies(features, STRATEGIES[0], frame, pipeline, count))
         shares = np.array([found[key] for key in sorted({*found} - choosing_objects())])
         interval = object_interval(shares, np.ones(len(shares)), IntervalParameters())
         yield {

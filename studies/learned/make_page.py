@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,14 +15,14 @@ from matplotlib.figure import Figure
 from classifier_settings.half import choosing_objects
 from learned import all_classes
 from learned.curves import FRAMES as CURVE_FRAMES
-from learned.study import FRAMES, PIPELINES, STRATEGIES, TOUCHES
+from learned.study import FRAMES, LONG, PIPELINES, STRATEGIES, TOUCHES
 from learned.training import OPTIONS, taken
 from learned_turned import study as learned_turned
 from visuohaptic.evaluation.by_object import ObjectAccuracies
 from visuohaptic.evaluation.intervals import (
+    SIGNIFICANCE,
     PairedComparison,
     class_interval,
-    compare_paired,
     holm,
     object_interval,
 )
@@ -31,7 +30,7 @@ from visuohaptic.evaluation.leads import compare_accuracies
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.meshes.catalogue import TEST_CLASSES
 from visuohaptic.recognition.parameters import Frame, IntervalParameters
-from visuohaptic.report.estimates import estimate, lead, with_interval
+from visuohaptic.report.estimates import Row, estimate, lead, measured, with_interval
 from visuohaptic.report.figures import Series, draw_leads, of_new_classes
 from visuohaptic.report.leads import KNOWN
 from visuohaptic.report.wording import points, strategy_name, strategy_place
@@ -46,8 +45,6 @@ MODELS = FOLDER.parent / "packaged_model"
 TRIED = FOLDER / "tried.md"
 PICTURE = FOLDER / "learned.png"
 INTERVALS = IntervalParameters()
-LEVEL = 0.05
-"""A difference is shown if its p value, with Holm's correction for all settings of the set, is below this level."""
 
 MOST = max(TOUCHES)
 UPRIGHT: Mapping[tuple[Turns, Frame], str] = {
@@ -70,9 +67,10 @@ class ComparedSetting(NamedTuple):
 
 def blocks() -> dict[str, str]:
     """Return the generated parts of the page by name of the block."""
-    many = answers_of(held_out(FOLDER, "benchmark"))
+    single, long, together = answers_of(held_out(FOLDER, "benchmark"))
     few = answers_of(held_out(FOLDER, "paper"))
     turned = Gains.of(held_out(TURNED, "benchmark")).by_views()
+    wide = read_json(all_classes.MEASURED)
     sources = []
     for path, words in (
         *((path, "") for path in kept_files(FOLDER).values()),
@@ -80,23 +78,32 @@ def blocks() -> dict[str, str]:
     ):
         source, objects = read_source(path), pd.read_parquet(path)["object"].nunique()
         sources.append(f"{objects}{words} objects: {source.commit[:12]}, {source.date}")
-    heads = ["known of the pose", "one view", "gain", f"{many[1].views} views", "gain"]
+    heads = ["known of the pose"]
+    for words in (f"{MOST} touches", f"{LONG} touches", f"{MOST}, {together.views} views"):
+        heads += [words, "gain"]
+    rows = [
+        *lines((single, long, together), UPRIGHT),
+        *lines((turned[0], None, turned[1]), TURNED_POSES),
+    ]
     return {
         "sentence": wrapped(
-            f"{sentence(*many)} {turned_sentence(*turned)} {others_sentence(*few)}"
+            f"{sentence(single, long, together)} {turned_sentence(*turned)} {others_sentence(*few)}"
         ),
-        "comparison": table(heads, [*lines(many, UPRIGHT), *lines(turned, TURNED_POSES)]),
-        "sure": wrapped(
-            f"{sure_sentence(pd.read_parquet(kept_file(MODELS, 'all')))} {frames_sentence(read_json(all_classes.MEASURED))}"
+        "comparison": table(heads, rows),
+        "all": wrapped(all_sentence(wide)),
+        "all_frames": table(
+            ["known of the pose", f"{MOST} touches", "gain, new objects", "new classes"],
+            all_lines(wide),
         ),
-        "questions": wrapped(question_sentence(many[0])),
+        "sure": wrapped(sure_sentence(pd.read_parquet(kept_file(MODELS, "all")))),
+        "questions": wrapped(question_sentence(single)),
         "sources": wrapped(f"Measured once and kept; {'; '.join(sources)}."),
     }
 
 
 def tried_blocks() -> dict[str, str]:
     """Return the generated parts of the page on what was tried, by name of the block."""
-    found = json.loads((FOLDER / "training.json").read_text(encoding="utf-8"))
+    found = read_json(FOLDER / "training.json")
     heads = [
         "trains beside the tested strategy's touches",
         "steps",
@@ -165,7 +172,7 @@ class Gains:
     compared : dict of ComparedSetting to PairedComparison
         `learned` minus `order_free`.
     stands : dict of ComparedSetting to bool
-        Whether the p value, with Holm's correction for all settings, is below `LEVEL`.
+        Whether the p value, with Holm's correction for all settings, is below `SIGNIFICANCE`.
     """
 
     rows: pd.DataFrame
@@ -182,7 +189,7 @@ class Gains:
             for one in settings
         }
         corrected = holm([one.p_value for one in compared.values()])
-        stands = [value < LEVEL for value in corrected]
+        stands = [value < SIGNIFICANCE for value in corrected]
         return cls(rows, compared, dict(zip(compared, stands, strict=True)))
 
     @property
@@ -214,39 +221,55 @@ class Gains:
 
     def range(self) -> str:
         """Return the smallest and the largest gain by the most touches, in points."""
-        gains = [one.difference.mean for key, one in self.compared.items() if key.touches == MOST]
+        gains = [
+            one.difference.mean for key, one in self.compared.items() if key.touches == self.most
+        ]
         return f"{points(min(gains))} to {points(max(gains))}"
 
-    def cells(self, setting: ComparedSetting) -> list[str]:
-        """Return the accuracies of both pipelines, and the gain in points; bold if it is shown."""
+    @property
+    def most(self) -> int:
+        """The most touches per view."""
+        return max(one.touches for one in self.compared)
+
+    def cells(self, pose: tuple[Turns, Frame]) -> list[str]:
+        """Return both accuracies by fixation with the most touches, and the gain in points; bold if it is shown."""
+        setting = ComparedSetting(*pose, self.most, self.views, STRATEGIES[0])
         means = [accuracies(self.rows, setting, name).mean for name in PIPELINES]
         text = plain(with_interval(estimate(self.compared[setting].difference), points))
         return [" → ".join(map(share, means)), f"**{text}**" if self.stands[setting] else text]
 
 
-def answers_of(rows: pd.DataFrame) -> tuple[Gains, Gains]:
-    """Compare the pipelines by one view, and by all views of an object together; each question has its own correction."""
-    return Gains.of(rows[rows["views"] == 1]), Gains.of(rows[rows["views"] > 1])
+def answers_of(rows: pd.DataFrame) -> tuple[Gains, Gains, Gains]:
+    """Compare the pipelines by one view, by one view with `LONG` touches, and by all views of an object together.
+
+    Each question has its own correction.
+    """
+    is_single, is_long = rows["views"] == 1, rows["touches"] == LONG
+    single, long, together = (
+        Gains.of(rows[part]) for part in (is_single & ~is_long, is_long, ~is_single)
+    )
+    return single, long, together
 
 
 def lines(
-    answers: tuple[Gains, Gains], poses: Mapping[tuple[Turns, Frame], str]
+    answers: Sequence[Gains | None], poses: Mapping[tuple[Turns, Frame], str]
 ) -> Iterator[list[object]]:
-    """Yield a line per pose: accuracies and gain by one view, and by all together, with the most touches by fixation."""
+    """Yield a line per pose: accuracies and gain by fixation with the most touches of each answer."""
     for pose, words in poses.items():
         cells: list[object] = [words]
         for gains in answers:
-            cells += gains.cells(ComparedSetting(*pose, MOST, gains.views, STRATEGIES[0]))
+            cells += ["", ""] if gains is None else gains.cells(pose)
         yield cells
 
 
-def sentence(single: Gains, together: Gains) -> str:
+def sentence(single: Gains, long: Gains, together: Gains) -> str:
     """Return the answer."""
     return (
         f"**On {single.objects} objects that chose nothing, `learned` is shown to be ahead of `order_free` in "
-        f"{single.ahead(MOST)} settings with five touches from one view, in {together.ahead(MOST)} from {together.views} "
-        f"views together, and in {single.ahead(1)} with one touch.** With five touches its gain is {single.range()} points "
-        f"from one view and {together.range()} from {together.views}, by the known part of the pose and the places of touch."
+        f"{single.ahead(MOST)} settings with five touches from one view, in {long.ahead(LONG)} with twenty, in "
+        f"{single.ahead(1)} with one touch, and in {together.ahead(MOST)} with five from {together.views} views together.** "
+        f"By the known part of the pose and the places of touch its gain is {single.range()} points with five touches, "
+        f"{long.range()} with twenty, and {together.range()} from {together.views} views."
     )
 
 
@@ -278,8 +301,50 @@ def question_sentence(gains: Gains) -> str:
     return (
         f"Of {len(leads)} leads of fixation over random places in reach and in sight, by this network, intervals are "
         f"above 0 in {ahead} and below 0 in {behind} (95 %, not corrected; one draw of random places; "
-        f"{gains.objects} objects)."
+        f"{gains.objects} objects); leads on set `all` are in "
+        f"[two_questions.md](../../docs/two_questions.md)."
     )
+
+
+def all_sentence(found: Mapping[str, Sequence[Row]]) -> str:
+    """Return in how many settings `learned` is shown to be ahead on set ``all``, and the range of its gains."""
+    gains = found["gains"]
+    means = [row["difference"]["mean"] for row in gains]
+    shown, of_new_classes = (
+        sum(
+            value < SIGNIFICANCE and mean > 0
+            for value, mean in zip(holm([row[name] for row in gains]), means, strict=True)
+        )
+        for name in ("p_value", "p_value_new_classes")
+    )
+    return (
+        f"**On {max(row['objects'] for row in gains)} objects of {gains[0]['classes']} classes (set `all`) `learned` is shown "
+        f"to be ahead in {shown} of {len(gains)} settings with five touches from one view**, by {points(min(means))} to "
+        f"{points(max(means))} points (Holm's correction for all; for new classes in {of_new_classes}; "
+        f"{len(choosing_objects())} of the objects chose the settings; no question was written before). By fixation:"
+    )
+
+
+def all_lines(found: Mapping[str, Sequence[Row]]) -> Iterator[list[object]]:
+    """Yield a line per known part of the pose: accuracies by fixation on set ``all``, and the gain's two intervals."""
+    for frame in reversed(FRAMES):
+        by_pipeline = {
+            row["pipeline"]: row["accuracy"]
+            for row in found["accuracies"]
+            if (row["frame"], row["strategy"]) == (frame, STRATEGIES[0])
+        }
+        gain = next(
+            measured(row, "difference")
+            for row in found["gains"]
+            if (row["frame"], row["strategy"]) == (frame, STRATEGIES[0])
+        )
+        wider = with_interval(of_new_classes(gain), points)
+        yield [
+            KNOWN[frame],
+            " → ".join(share(by_pipeline[name]) for name in PIPELINES),
+            with_interval(gain, points),
+            wider[wider.index("(") :],
+        ]
 
 
 def sure_sentence(answers: pd.DataFrame) -> str:
@@ -297,51 +362,11 @@ def sure_sentence(answers: pd.DataFrame) -> str:
         )
         size = own["candidates"].map(len).mean()
         said.append(f"{share(over_objects.mean)} ({ends}) by `{name}`, with {size:.1f} classes")
-    right = known.assign(right=(known["named"] == known["class"]).astype(np.float64))
-    named = [
-        f"{gain_of_models(right, column)} from {words}"
-        for column, words in (("right", "16 views together"), ("views", "one view"))
-    ]
     return (
-        f"**Set `all`:** models of both pipelines answered for {known['object'].nunique()} objects of "
-        f"{known['class'].nunique()} classes that they did not learn ([packaged_model](../packaged_model/README.md); fixation, "
-        f"vertical known). They name right: {'; '.join(named)}. Sets of 90 % hold the class of {', and of '.join(said)}. "
-        f"In brackets: new objects; new classes."
+        f"From 16 views, prediction sets of 90 % hold the class of {', and of '.join(said)} (set `all`, vertical known, "
+        f"objects that the model did not learn; new objects, then new classes; "
+        f"[packaged_model](../packaged_model/README.md))."
     )
-
-
-def frames_sentence(rows: Sequence[Mapping[str, Any]]) -> str:
-    """Return the accuracies on set ``all`` in the frames other than that of the package's model."""
-    first, *_ = rows
-    gains = (
-        f"{KNOWN[row['frame']]} known, {gain_in_words(row['order_free'], row['learned'], row['gain'], row['intervals'])}"
-        for row in rows
-        if row["frame"] != "vertical"
-    )
-    return (
-        f"In other frames, {first['objects']} of the objects, of which {len(choosing_objects())} chose the settings, have "
-        f"from one view: {'; '.join(gains)} (no question was written before)."
-    )
-
-
-def gain_of_models(answers: pd.DataFrame, column: str) -> str:
-    """Write the mean of a column of both pipelines, and their difference with its intervals for new objects and classes."""
-    wide = answers.pivot(index=["class", "object"], columns="pipeline", values=column)
-    before, after = (wide[name].to_numpy() for name in PIPELINES)
-    classes = wide.index.get_level_values("class").tolist()
-    compared = compare_paired(after, before, np.ones(len(wide)), INTERVALS, classes)
-    intervals = [
-        (one.low, one.high) for one in (compared.difference, compared.difference_new_classes)
-    ]
-    return gain_in_words(before.mean(), after.mean(), compared.difference.mean, intervals)
-
-
-def gain_in_words(
-    before: float, after: float, gain: float, intervals: Iterable[Sequence[float]]
-) -> str:
-    """Write two accuracies, and the gain with its intervals for new objects and classes in points."""
-    ends = "; ".join(f"{points(low)} to {points(high)}" for low, high in intervals)
-    return f"{share(before)} → {share(after)}, {points(gain)} ({ends})"
 
 
 def draw(gains: Gains) -> Figure:

@@ -86,17 +86,18 @@ def blocks() -> dict[str, str]:
 def blocks_of_scores() -> dict[str, str]:
     """Return the answer and the table of the page on scores of unknown objects."""
     found = json.loads(strangeness.CHOSEN.read_text(encoding="utf-8"))
-    areas, best, gain, today = found["areas"], found["best"], found["gain"], strangeness.TODAY
-    again, of_test = found["gain on test classes"], found["areas of test classes"]
+    areas, best, today = found["areas"], found["best"], strangeness.TODAY
+    p_value, of_test = found["gain"]["p_value"], found["areas of test classes"]
+    gain, again = (found[name]["difference"] for name in ("gain", "gain on test classes"))
     strange, known = found["test classes"], found["known classes"]
     if not found["taken"] or not again["low"] < 0 < again["high"]:
         raise ValueError("the answer on scores has another form today: write its sentence again.")
     text = (
         f"**The best of five other scores is ahead of today's on classes that were left out of training; on the seven test "
-        f"classes its lead is not shown.** On left-out classes *{best}* has the largest area, {gain['gain']:.3f} more than "
-        f"today's ({gain['low']:.3f} to {gain['high']:.3f}, p {gain['p_value']:.2g}, not corrected for the choice), and by "
+        f"classes its lead is not shown.** On left-out classes *{best}* has the largest area, {gain['mean']:.3f} more than "
+        f"today's ({gain['low']:.3f} to {gain['high']:.3f}, p {p_value:.2g}, not corrected for the choice), and by "
         f"the rule it is taken in. On the test "
-        f"classes its gain is {again['gain']:.3f} (−{-again['low']:.3f} to {again['high']:.3f}). Of their "
+        f"classes its gain is {again['mean']:.3f} (−{-again['low']:.3f} to {again['high']:.3f}). Of their "
         f"{strange['objects']} objects it calls "
         f"{share(strange[best], 0)} unknown, and today's score {share(strange[today], 0)}; of {known['objects']} held-out "
         f"objects of known classes {share(known[best], 0)} and {share(known[today], 0)}. The package's model keeps today's "

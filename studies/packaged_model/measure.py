@@ -36,7 +36,8 @@ from joblib import Parallel, delayed
 from sklearn.model_selection import StratifiedKFold
 from tqdm import tqdm
 
-from visuohaptic.evaluation.intervals import PairedComparison, compare_paired
+from learned.study import PIPELINES
+from visuohaptic.evaluation.intervals import SIGNIFICANCE, PairedComparison, compare_paired
 from visuohaptic.exploration.examples import examples
 from visuohaptic.exploration.recognising import PACKAGED_MODEL
 from visuohaptic.meshes.catalogue import TEST_CLASSES
@@ -52,10 +53,8 @@ LEAST_OBJECTS = 5
 """The smallest number of objects of an admitted class."""
 FOLDS = 5
 SEED = 2018
-PIPELINES = ("order_free", "learned")
 LONGEST_FIT_S = 300.0
 LARGEST_BYTES = 10_000_000
-LEVEL = 0.05
 PARAMETERS = RecognitionParameters(frame="vertical")
 CHOSEN = Path(__file__).with_name("chosen.json")
 """The chosen pipeline, and processor seconds and bytes of both models."""
@@ -148,7 +147,7 @@ def gain_of(measured: pd.DataFrame) -> PairedComparison:
 def chosen_pipeline(measured: pd.DataFrame, seconds: float, size: int) -> str:
     """Apply the rule; `seconds` and `size` are processor seconds and bytes of the model of `learned`."""
     gain = gain_of(measured)
-    is_better = gain.difference.mean > 0 and gain.p_value < LEVEL
+    is_better = gain.difference.mean > 0 and gain.p_value < SIGNIFICANCE
     is_taken = is_better and seconds < LONGEST_FIT_S and size < LARGEST_BYTES
     return "learned" if is_taken else "order_free"
 

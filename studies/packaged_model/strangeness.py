@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,9 +21,9 @@ from scipy.spatial.distance import cdist
 from sklearn.metrics import roc_auc_score
 from sklearn.model_selection import StratifiedKFold
 
-from packaged_model.measure import FOLDS, LEVEL, PARAMETERS, SEED, admitted, by_object
+from packaged_model.measure import FOLDS, PARAMETERS, SEED, admitted, by_object
 from visuohaptic.base.arrays import FloatArray, IntArray
-from visuohaptic.evaluation.intervals import compare_paired
+from visuohaptic.evaluation.intervals import SIGNIFICANCE, compare_paired, plain_comparison
 from visuohaptic.meshes.catalogue import TEST_CLASSES
 from visuohaptic.recognition.certainty import fit_reference
 from visuohaptic.recognition.descriptors import describe_all
@@ -200,18 +200,13 @@ def choose(by_class: pd.DataFrame) -> str:
     return str(by_class.drop(columns=TODAY).mean().idxmax())
 
 
-def gain_in_area(best: str, by_class: pd.DataFrame) -> Mapping[str, float]:
-    """Return the gain in area of a score over `TODAY`, with its interval for new classes and p value."""
+def gain_in_area(best: str, by_class: pd.DataFrame) -> dict[str, Any]:
+    """Compare the areas of a score and of `TODAY`; classes take the place of objects."""
     weights = np.ones(len(by_class))
     compared = compare_paired(
         by_class[best].to_numpy(), by_class[TODAY].to_numpy(), weights, IntervalParameters()
     )
-    return {
-        "gain": compared.difference.mean,
-        "low": compared.difference.low,
-        "high": compared.difference.high,
-        "p_value": compared.p_value,
-    }
+    return plain_comparison(compared)
 
 
 def main() -> None:
@@ -230,7 +225,7 @@ def main() -> None:
             "areas": by_class.mean().round(3).to_dict(),
             "best": best,
             "gain": gain,
-            "taken": bool(gain["p_value"] < LEVEL and gain["gain"] > 0),
+            "taken": bool(gain["p_value"] < SIGNIFICANCE and gain["difference"]["mean"] > 0),
             "areas of test classes": of_test_classes.mean().round(3).to_dict(),
             "gain on test classes": gain_in_area(best, of_test_classes),
         }

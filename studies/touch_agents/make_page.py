@@ -22,6 +22,7 @@ from matplotlib.figure import Figure
 from touch_agents.learning import SHOWN
 from touch_agents.measure import CHOOSERS, PREDICTORS
 from touch_curves.choosing import ADAPTIVE
+from visuohaptic.evaluation.intervals import SIGNIFICANCE
 from visuohaptic.report.drawing import look, style
 from visuohaptic.report.figures import whole_percent
 
@@ -41,7 +42,6 @@ IN_TABLE = 5
 """Touches of the table."""
 DRAWN = {"full": "the whole pose known", "none": "nothing known"}
 """Frames of the picture and of the table."""
-LEVEL = 0.05
 HEADS = {"accuracy": "correctly classified", "loss": "loss"}
 SIGNS = {"accuracy": 1, "loss": -1}
 """Sign of a better difference, by measure."""
@@ -64,7 +64,7 @@ def blocks() -> dict[str, str]:
 def answer(cells: Sequence[Row], rows: Sequence[Row]) -> str:
     """Return the best accuracy and loss of the table, and how many differences are shown."""
     best = ", and ".join(f"{_best(cells, frame)} with {words}" for frame, words in DRAWN.items())
-    shown = [row for row in rows if row["corrected"] < LEVEL]
+    shown = [row for row in rows if row["corrected"] < SIGNIFICANCE]
     worse = sum(SIGNS[row["measure"]] * _mean(row) < 0 for row in shown)
     leads, gains = (
         [row for row in rows if (row["predictor"] in PREDICTORS) == is_lead]
@@ -94,7 +94,7 @@ def _better(rows: Sequence[Row]) -> str:
     parts = []
     for measure, sign in SIGNS.items():
         own = [row for row in rows if row["measure"] == measure]
-        better = sum(row["corrected"] < LEVEL and sign * _mean(row) > 0 for row in own)
+        better = sum(row["corrected"] < SIGNIFICANCE and sign * _mean(row) > 0 for row in own)
         parts.append(f"{better} of {len(own)} cases of {measure}")
     return " and ".join(parts)
 
@@ -103,7 +103,7 @@ def _leaders(rows: Sequence[Row]) -> str:
     """Name the choosers and frames of the shown leads."""
     frames: dict[str, list[str]] = {}
     for row in rows:
-        if row["corrected"] < LEVEL and SIGNS[row["measure"]] * _mean(row) > 0:
+        if row["corrected"] < SIGNIFICANCE and SIGNS[row["measure"]] * _mean(row) > 0:
             of_chooser = frames.setdefault(LABELS[row["chooser"]], [])
             if (name := f"`{row['frame']}`") not in of_chooser:
                 of_chooser.append(name)
@@ -111,7 +111,7 @@ def _leaders(rows: Sequence[Row]) -> str:
 
 
 def _count(rows: Sequence[Row], words: str) -> str:
-    shown = sum(row["corrected"] < LEVEL for row in rows)
+    shown = sum(row["corrected"] < SIGNIFICANCE for row in rows)
     least = min(row["comparison"]["p_value"] for row in rows)
     return f"On the {words} {shown} of {len(rows)} differences are shown; the smallest p value is {least:.2g} before the correction."
 

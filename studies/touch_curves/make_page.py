@@ -20,10 +20,9 @@ from filling import (
 from make_claims import of_classifier
 from matplotlib.figure import Figure
 
-from visuohaptic.evaluation.intervals import holm
+from visuohaptic.evaluation.intervals import SIGNIFICANCE, holm
 from visuohaptic.report.estimates import Estimate
 from visuohaptic.report.figures import Series, draw_by_touches
-from visuohaptic.report.leads import SIGNIFICANCE
 from visuohaptic.report.wording import listed, strategy_name, strategy_place
 
 HERE = Path(__file__).parent

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 
 from touch_curves.study import STUDY
 from touch_curves.tables import TOUCHES_NEEDED
-from visuohaptic.evaluation.intervals import holm
-from visuohaptic.report.comparison import REFERENCE, SIGNIFICANCE
+from visuohaptic.evaluation.intervals import SIGNIFICANCE, holm
+from visuohaptic.report.comparison import REFERENCE
 from visuohaptic.report.drawing import look, style
 from visuohaptic.report.estimates import Estimate, Row, estimate_of
 from visuohaptic.report.figures import draw_lines, label_axes, whole_percent

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict
 
+from visuohaptic.evaluation.intervals import SIGNIFICANCE
 from visuohaptic.evaluation.published import PAPER_PIPELINE
-from visuohaptic.report.comparison import SIGNIFICANCE
 from visuohaptic.report.estimates import read_json
 from visuohaptic.report.wording import classifier_name, listed, percent, probability
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS

@@ -285,6 +285,36 @@ def test_the_page_of_the_two_questions_shows_the_kept_leads(run_script):
         assert f"<!-- {block} -->\n{content}\n<!-- /{block} -->" in text
 
 
+def test_leads_on_more_classes_are_counted_after_one_correction_for_each_question(run_script):
+    def rows_of(name, *found):
+        for mean, p_value, wide in found:
+            interval = {"mean": mean, "low": None, "high": None}
+            yield {
+                "lead": name,
+                "pipeline": "learned",
+                "frame": "full",
+                "objects": 9,
+                "classes": 3,
+                "difference": interval,
+                "difference_new_classes": interval,
+                "p_value": p_value,
+                "p_value_new_classes": wide,
+            }
+
+    rows = [
+        *rows_of("salience", (-0.1, 0.01, 0.04), (0.2, 0.02, 0.01), (0.3, 0.5, 0.5)),
+        *rows_of("seeing", (0.4, 0.04, 0.6)),
+        *rows_of("sight", (-0.05, 0.02, 0.6)),
+    ]
+    said = run_script("docs/make_two_questions")["more_classes_sentence"](rows)
+    for words in (
+        "On 9 objects of 3 classes",
+        "reach in 1 of 2 comparisons and trail in 1 (for new classes in 0 and 0), by −5.0 to +40.0 points.",
+        "sight in 1 of 3 comparisons and trail in 1 (for new classes in 1 and 0), by −10.0 to +30.0 points.",
+    ):
+        assert words in said
+
+
 @pytest.mark.parametrize(
     "script",
     [

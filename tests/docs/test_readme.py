@@ -156,6 +156,11 @@ def test_the_answers_count_the_leads_of_the_kept_tables():
     largest = max(lead.difference.high for lead in kept.of("salience"))
     drawn = max(lead.difference.new_classes_high for lead in kept.of("salience"))
     assert f"leads above {100 * largest:.1f} points are excluded, for other classes" in said
+    rows = json.loads((ROOT / "studies/learned/all_classes.json").read_text())["leads"]
+    wide = [row for row in rows if row["lead"] == "salience"]
+    # Only p values of deficits are small.
+    assert all(row["difference"]["mean"] < 0 or row["p_value"] > 0.05 for row in wide)
+    assert f"of {rows[0]['classes']} classes they led in none of {len(wide)}, too." in said
     assert f"for other classes leads above {100 * drawn:.1f}." in said
 
 

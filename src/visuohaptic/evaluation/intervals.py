@@ -77,6 +77,9 @@ _NODES = (_EXPONENTIALS - 1 / _EXPONENTIALS) / 2  # sinh x
 _WIDTHS = (_EXPONENTIALS + 1 / _EXPONENTIALS) / 2 * np.where(_EXPONENTIALS == 1, 0.5, 1.0)  # cosh x
 _SADDLE_BISECTIONS = 16
 _ROOT_BISECTIONS = 3
+SIGNIFICANCE = 0.05
+"""Pages call a difference shown if its p value, with Holm's correction for all that one question compares, is smaller."""
+
 _MAXIMUM_ROOT_STEPS = 100
 _ROOT_TOLERANCE = 1e-12
 """`_root` ends at this function value or at this width of the bracket."""

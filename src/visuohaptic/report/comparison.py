@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from visuohaptic.evaluation.intervals import holm
+from visuohaptic.evaluation.intervals import SIGNIFICANCE, holm
 from visuohaptic.evaluation.means_over_draws import LeadOverDraws
 from visuohaptic.evaluation.published import PAPER_PIPELINE, TABLE_1
 from visuohaptic.report.estimates import Estimate, measured
@@ -24,8 +24,6 @@ from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
 
 REFERENCE = "fixation"
 """The strategy that all other strategies are compared with."""
-SIGNIFICANCE = 0.05
-"""A difference is significant if its p value after Holm's correction is below this level."""
 PIPELINES: Mapping[str, str] = {
     PAPER_PIPELINE: (
         "Pipeline paper is our variant of the paper, which a written rule chose: a self-organising map turns the 22 "

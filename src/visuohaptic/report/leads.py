@@ -6,16 +6,13 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from visuohaptic.evaluation.intervals import holm
+from visuohaptic.evaluation.intervals import SIGNIFICANCE, holm
 from visuohaptic.evaluation.leads import LEADS, LeadName
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import Frame
 from visuohaptic.report.estimates import Estimate
 from visuohaptic.report.estimates import measured as measured_figure
 from visuohaptic.report.wording import POSES, pipeline_name
-
-SIGNIFICANCE = 0.05
-"""A lead is shown if its p value, corrected by Holm for the number of leads of the question, is below this level."""
 
 MARGIN = 0.05
 """The largest lead, as a share, that an answer ``no`` may leave open: a lead of five points."""

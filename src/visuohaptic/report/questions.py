@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from visuohaptic.evaluation.intervals import SIGNIFICANCE
 from visuohaptic.evaluation.leads import LEADS_OF, Question
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.report.comparison import REFERENCE, PipelineTable
@@ -15,7 +16,6 @@ from visuohaptic.report.leads import (
 )
 from visuohaptic.report.leads import (
     PLACES,
-    SIGNIFICANCE,
     Lead,
     Word,
     name_of_pipeline,

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+from visuohaptic.evaluation.intervals import SIGNIFICANCE
 from visuohaptic.evaluation.published import PAPER_PIPELINE
-from visuohaptic.report.comparison import SIGNIFICANCE
 from visuohaptic.report.estimates import Row, estimate_of
 from visuohaptic.report.run import Run
 from visuohaptic.report.wording import (
