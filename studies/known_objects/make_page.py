@@ -23,8 +23,9 @@ from filling import (
 from matplotlib.figure import Figure
 
 from known_objects.network import MEASURED, TOUCHES, count_shown
-from visuohaptic.report.estimates import estimate_of
+from visuohaptic.report.estimates import Estimate, estimate_of, with_interval
 from visuohaptic.report.figures import Series, draw_by_touches
+from visuohaptic.report.wording import points
 
 HERE = Path(__file__).parent
 PAGE = HERE / "README.md"
@@ -89,7 +90,7 @@ def network_sentence(found: Mapping[str, list[Figures]]) -> str:
     said = []
     for name, words in SETS.items():
         by_touches = " and ".join(
-            f"{share(row['order_free'])} → {share(row['learned'])}, {difference(row, 'gain', 'low', 'high')}, with "
+            f"{share(row['order_free'])} → {share(row['learned'])}, {with_interval(Estimate(**row['difference']), points)}, with "
             f"{row['touches']} touches"
             for row in found[name]
             if row["strategy"] == "fixation"

@@ -19,9 +19,10 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 from known_objects.new_touches import check_turns, first_touches, mark_turns, split_turns
-from known_objects.study import MOST_TOUCHES, PIPELINE, STRATEGIES, STUDY
+from known_objects.study import MOST_TOUCHES, STRATEGIES, STUDY
+from learned.study import PIPELINES
 from visuohaptic.base.arrays import FloatArray
-from visuohaptic.evaluation.intervals import compare_paired, holm
+from visuohaptic.evaluation.intervals import SIGNIFICANCE, compare_paired, holm, plain_comparison
 from visuohaptic.parameters import ExperimentParameters, read_parameters
 from visuohaptic.recognition.experiment import one_thread, predict_splits
 from visuohaptic.recognition.parameters import IntervalParameters
@@ -31,9 +32,7 @@ from visuohaptic.studies.conditions import plan_study
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table
 
-PIPELINES = (PIPELINE, "learned")
 TOUCHES = (5, MOST_TOUCHES)
-LEVEL = 0.05
 MEASURED = Path(__file__).with_name("network.json")
 
 
@@ -63,19 +62,15 @@ def accuracies(
 
 
 def measure(turned: Sequence[pa.Table], run: ExperimentParameters) -> Iterator[dict[str, Any]]:
-    """Yield a row per strategy and number of touches: both accuracies, and the gain with its interval for new objects."""
+    """Yield a row per strategy and number of touches: both accuracies, and their paired comparison."""
     for strategy, touches in product(STRATEGIES, TOUCHES):
         before, after = (accuracies(turned, strategy, touches, name, run) for name in PIPELINES)
         compared = compare_paired(after, before, np.ones(len(before)), IntervalParameters())
         yield {
             "strategy": strategy,
             "touches": touches,
-            "objects": len(before),
             **dict(zip(PIPELINES, (before.mean(), after.mean()), strict=True)),
-            "gain": compared.difference.mean,
-            "low": compared.difference.low,
-            "high": compared.difference.high,
-            "p_value": compared.p_value,
+            **plain_comparison(compared),
         }
 
 
@@ -83,7 +78,10 @@ def count_shown(measured: Mapping[str, Sequence[Mapping[str, Any]]]) -> tuple[in
     """Return how many gains stand after Holm's correction for all rows of all sets, and the number of rows."""
     every = [row for rows in measured.values() for row in rows]
     corrected = holm([row["p_value"] for row in every])
-    shown = (row["gain"] > 0 and value < LEVEL for row, value in zip(every, corrected, strict=True))
+    shown = (
+        row["difference"]["mean"] > 0 and value < SIGNIFICANCE
+        for row, value in zip(every, corrected, strict=True)
+    )
     return sum(shown), len(every)
 
 

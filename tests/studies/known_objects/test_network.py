@@ -43,12 +43,12 @@ def test_each_strategy_and_number_of_touches_has_a_gain(tables, monkeypatch):
     rows = [*measure(tables, PLANNED[0].parameters)]
     settings = [(one["strategy"], one["touches"]) for one in rows]
     assert settings == [(strategy, touches) for strategy in STRATEGIES for touches in TOUCHES]
-    assert {round(one["gain"], 9) for one in rows} == {0.2}
+    assert {round(one["difference"]["mean"], 9) for one in rows} == {0.2}
     assert (rows[0]["order_free"], rows[0]["learned"]) == pytest.approx((0.6, 0.8))
 
 
 def test_gains_are_counted_after_one_correction_for_all_sets():
-    better, worse = {"gain": 0.1}, {"gain": -0.1}
+    better, worse = {"difference": {"mean": 0.1}}, {"difference": {"mean": -0.1}}
     measured = {
         "a": [{"p_value": 0.004, **better}, {"p_value": 0.02, **better}],
         "b": [{"p_value": 0.03, **better}],

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 import pytest
 from recognition.synthetic import features_table
 from sklearn.model_selection import StratifiedGroupKFold
@@ -13,7 +14,8 @@ from sklearn.model_selection import StratifiedGroupKFold
 from classifier_settings.half import choosing_objects
 from learned.changed import draw_lots
 from learned.choose import FOLDS
-from learned.curves import training_objects
+from learned.curves import accuracies, training_objects
+from learned.study import STRATEGIES
 from learned.training import (
     FEWER_TOUCHES,
     OPTIONS,
@@ -165,6 +167,17 @@ def test_fewer_training_objects_are_a_part_of_more_and_never_tested():
     few, more, whole = (training_objects(SEQUENCES, train, count) for count in (1, 2, None))
     assert {*few} < {*more} <= {*whole} == {*SEQUENCES.object_index[train]}
     assert [*np.bincount(SEQUENCES.class_of_object[few])] == [1] * len(SEQUENCES.classes)
+
+
+def test_each_object_has_an_accuracy_by_the_asked_strategy():
+    apart = features_table("fixation", separation=2.0)
+    alike = features_table("random", separation=0.0, seed=1)
+    both = pa.concat_tables([apart, alike])
+    found = {name: dict(accuracies(both, name, "full", "order_free")) for name in STRATEGIES[:2]}
+    assert {*found["fixation"]} == {*found["random"]}
+    assert len(found["random"]) == 12
+    assert np.mean([*found["fixation"].values()]) > 0.9
+    assert np.mean([*found["random"].values()]) < 0.6
 
 
 def test_the_page_has_the_accuracies_by_training_objects():
