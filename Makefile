@@ -124,12 +124,13 @@ learned_turned: $(READY)
 	@python -m visuohaptic.studies.keeping learned_turned $(SET)
 	@python -m learned.make_page
 
-# Both pipelines on set `all`, with leads of its fixations (studies/learned/README.md).
+# Both pipelines on objects of set `all`, by all ways of touching (studies/learned/README.md). Then `make readme`.
 learned_all: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs
 learned_all: $(READY)
 	@$(RUN) --cores $(JOBS) --config meshes="{set: all}" \
 	  probing="{strategies: [fixation, random, random_visible]}" -- features_all
 	@python -m learned.all_classes results/features
+	@python -m visuohaptic.studies.keeping learned all results/learned_all.parquet
 	@python -m learned.make_page
 	@python docs/make_two_questions.py
 

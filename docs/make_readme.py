@@ -9,7 +9,7 @@ import pandas as pd
 from filling import DOCS, fill_page, points, read_json, share, table
 
 from first_touch.summary import Place, lead, read_kept
-from learned.all_classes import MEASURED, leads_of
+from learned.compared import kept_of_all, leads_of
 from turned.kept import read_turned
 from turned.leads import KeptLeads, read_kept_leads
 from turned.rows import turned_rows
@@ -147,17 +147,19 @@ def salience(kept: KeptLeads) -> str:
     found, drawn = (verdict(kept.of("salience"), over) for over in ("objects", "classes"))
     if found.word != "no" or drawn.excluded is None:
         raise ValueError("the answer to `salience` is not no today: write its sentence again.")
-    rows = read_json(MEASURED)["leads"]
+    rows, _ = kept_of_all()
     wide = verdict(lead for lead in leads_of(rows) if lead.name == "salience")
     if wide.ahead:
         raise ValueError(
             "the answer to `salience` has another form today: write its sentence again."
         )
+    classes = rows["object"].str.split("/").str[0].nunique()
     return (
         f"Not on objects of these classes: fixations led random places in sight in none of "
         f"{counted(len(found.leads), 'comparison')} and trailed in {len(found.behind)}, after Holm's correction; leads above "
         f"{percent_points(found.excluded)} points are excluded, for other classes leads above {percent_points(drawn.excluded)}. "
-        f"On upright objects of {rows[0]['classes']} classes they led in none of {len(wide.leads)}, too."
+        f"On {rows['object'].nunique()} upright objects of {classes} classes, most of them the same, they led in none of "
+        f"{len(wide.leads)} and trailed in {len(wide.behind)}."
     )
 
 

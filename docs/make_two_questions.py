@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import pandas as pd
 from filling import (
     DOCS,
     fill_page,
     legend_beside,
     plain,
-    read_json,
     resized,
     save_picture,
     table,
@@ -17,16 +17,16 @@ from filling import (
 )
 from matplotlib.figure import Figure
 
-from learned.all_classes import MEASURED, leads_of
-from turned.leads import KeptLead, KeptLeads, question_sentence, read_kept_leads
-from visuohaptic.evaluation.leads import LEADS, LEADS_OF, Question
+from learned.compared import kept_of_all, leads_of
+from turned.leads import KeptLead, KeptLeads, lead_in_words, question_sentence, read_kept_leads
+from visuohaptic.evaluation.leads import LEADS, LEADS_OF
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report import figures
 from visuohaptic.report.drawing import style
-from visuohaptic.report.estimates import Row, with_interval
-from visuohaptic.report.leads import PLACES, Lead, verdict
+from visuohaptic.report.estimates import with_interval
+from visuohaptic.report.leads import KNOWN, PLACES, Lead, verdict
 from visuohaptic.report.questions import QUESTIONS
-from visuohaptic.report.wording import points, titled
+from visuohaptic.report.wording import percent_points, points, titled
 
 PICTURES = DOCS / "pictures"
 OF_README = ("sight", "salience")
@@ -39,7 +39,7 @@ def blocks(kept: KeptLeads) -> dict[str, str]:
     """Return the sentences and the table of the page by name of the block."""
     return {
         "sentences": sentences(kept),
-        "more classes": wrapped(more_classes_sentence(read_json(MEASURED)["leads"])),
+        "more classes": wrapped(plain(more_classes(*kept_of_all()))),
         "leads": leads_table(kept),
     }
 
@@ -52,27 +52,59 @@ def sentences(kept: KeptLeads) -> str:
     )
 
 
-def more_classes_sentence(rows: Sequence[Row]) -> str:
-    """Return how many leads are shown on set ``all``, and their range; `rows` are of `learned.all_classes`."""
-    leads = leads_of(rows)
+def more_classes(rows: pd.DataFrame, others: pd.DataFrame) -> str:
+    """Return the leads that are shown on set ``all``, in kept rows of all objects and of those outside the benchmark."""
+    count, other_count = rows["object"].nunique(), others["object"].nunique()
+    classes = rows["object"].str.split("/").str[0].nunique()
+    leads, other_leads = leads_of(rows), leads_of(others)
     return (
-        f"**And on more classes?** On {max(lead.objects for lead in leads)} objects of {rows[0]['classes']} classes (set "
-        f"`all`, upright, facing one way, five touches) pipelines `order_free` and `learned` know four parts of the pose. "
-        f"Places in sight lead random places in reach {shown_leads('seeing', leads)}. Fixations lead random places in sight "
-        f"{shown_leads('salience', leads)}. Holm's correction is for each question; there is one draw of places, and no "
-        f"question was written before ([learned](../studies/learned/README.md))."
+        f"**And on more classes?** Leads were measured on {count} objects of {classes} classes of set `all`, too: upright, "
+        f"facing one way, five touches, one draw of places, by pipelines `order_free` and `learned`, with each of four parts "
+        f"of the pose known. {seeing_sentence(leads)} {salience_sentence(leads)} {count - other_count} of the objects are "
+        f"among the 142. On the {other_count} others {others_words(other_leads)}. All counts are after Holm's correction for "
+        f"the question. No question was written before these figures were computed ([learned](../studies/learned/README.md))."
     )
 
 
-def shown_leads(question: Question, leads: Sequence[Lead]) -> str:
-    """Return in how many comparisons of a question a lead is shown, and the range of the leads."""
-    own = [lead for lead in leads if lead.name in LEADS_OF[question]]
+def seeing_sentence(leads: Sequence[Lead]) -> str:
+    """Return the shown leads of places in sight over random places in reach."""
+    own = [one for one in leads if one.name in LEADS_OF["seeing"]]
     found, drawn = verdict(own), verdict(own, "classes")
-    means = [lead.difference.mean for lead in own]
-    return (
-        f"in {len(found.ahead)} of {len(own)} comparisons and trail in {len(found.behind)} (for new classes in "
-        f"{len(drawn.ahead)} and {len(drawn.behind)}), by {points(min(means))} to {points(max(means))} points"
+    shown = "; ".join(
+        f"{one.places[0]}, `{one.pipeline}`, {KNOWN[one.known]} known: {lead_in_words(one)}"
+        for one in found.ahead
     )
+    return (
+        f"Places in sight lead random places in reach in {len(found.ahead)} of {len(own)} comparisons{f' ({shown})' * bool(shown)} "
+        f"and trail in {len(found.behind)}; for new classes they lead in {len(drawn.ahead)} and trail in {len(drawn.behind)}."
+    )
+
+
+def salience_sentence(leads: Sequence[Lead]) -> str:
+    """Return the shown leads of fixations over random places in sight, their range, and the leads that are excluded."""
+    own = [one for one in leads if one.name in LEADS_OF["salience"]]
+    found, drawn = verdict(own), verdict(own, "classes")
+    if found.excluded is None or drawn.excluded is None:
+        raise ValueError("a lead on set all has no interval: write the sentence on salience again.")
+    means = [one.difference.mean for one in own]
+    return (
+        f"Fixations lead random places in sight in {len(found.ahead)} of {len(own)} comparisons and trail in "
+        f"{len(found.behind)}; the leads are {points(min(means))} to {points(max(means))} points, and leads above "
+        f"{percent_points(found.excluded)} points are excluded (for new classes above {percent_points(drawn.excluded)})."
+    )
+
+
+def others_words(leads: Sequence[Lead]) -> str:
+    """Return how many leads of each question are shown."""
+    said = []
+    for question, words in (
+        ("seeing", "places in sight lead random places in reach"),
+        ("salience", "fixations lead random places in sight"),
+    ):
+        own = [one for one in leads if one.name in LEADS_OF[question]]
+        found = verdict(own)
+        said.append(f"{words} in {len(found.ahead)} of {len(own)} and trail in {len(found.behind)}")
+    return ", and ".join(said)
 
 
 def leads_table(kept: KeptLeads) -> str:

@@ -23,7 +23,7 @@ from sklearn.model_selection import StratifiedKFold
 
 from packaged_model.measure import FOLDS, PARAMETERS, SEED, admitted, by_object
 from visuohaptic.base.arrays import FloatArray, IntArray
-from visuohaptic.evaluation.intervals import SIGNIFICANCE, compare_paired, plain_comparison
+from visuohaptic.evaluation.intervals import SIGNIFICANCE, compare_paired, plain_interval
 from visuohaptic.meshes.catalogue import TEST_CLASSES
 from visuohaptic.recognition.certainty import fit_reference
 from visuohaptic.recognition.descriptors import describe_all
@@ -201,12 +201,12 @@ def choose(by_class: pd.DataFrame) -> str:
 
 
 def gain_in_area(best: str, by_class: pd.DataFrame) -> dict[str, Any]:
-    """Compare the areas of a score and of `TODAY`; classes take the place of objects."""
+    """Return the mean area of a score minus that of `TODAY`, with its interval for new classes, and the p value."""
     weights = np.ones(len(by_class))
     compared = compare_paired(
         by_class[best].to_numpy(), by_class[TODAY].to_numpy(), weights, IntervalParameters()
     )
-    return plain_comparison(compared)
+    return {"difference": plain_interval(compared.difference), "p_value": compared.p_value}
 
 
 def main() -> None:

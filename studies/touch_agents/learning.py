@@ -76,6 +76,7 @@ from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic.evaluation.intervals import (
     SHARE,
+    SIGNIFICANCE,
     class_interval,
     compare_differences,
     holm,
@@ -251,7 +252,7 @@ def summarise(
 def answer(comparison: Mapping[str, Any], corrected: float) -> str:
     """Return ``yes``, ``no`` or ``not settled`` by the rule of the module."""
     found = comparison["difference"]
-    if corrected < 0.05:
+    if corrected < SIGNIFICANCE:
         return "yes" if found["mean"] > 0 else "no"
     within = found["low"] >= -MARGIN and found["high"] <= MARGIN
     return "no" if within else "not settled"

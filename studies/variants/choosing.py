@@ -50,10 +50,9 @@ from variants.design import (
     is_base_but_for,
 )
 from variants.kept import OUTSIDE
-from variants.leads import SIGNIFICANT
 from variants.study import STUDY
 from visuohaptic.base.errors import RecognitionError
-from visuohaptic.evaluation.intervals import holm
+from visuohaptic.evaluation.intervals import SIGNIFICANCE, holm
 from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.evaluation.sign_changes import sign_change_test
 from visuohaptic.parameters import ExperimentParameters
@@ -142,7 +141,7 @@ def choose_default(
             "changed": {choice: option for choice, option in options if option != former[choice]},
         }
     candidates = [
-        row for name, row in listed.items() if name == best or row["p_value"] >= SIGNIFICANT
+        row for name, row in listed.items() if name == best or row["p_value"] >= SIGNIFICANCE
     ]
     return {
         "objects": len(scores[best]),
@@ -200,7 +199,7 @@ def choose_options(
             option
             for option in admitted
             if option == former_option
-            or (means[option] > means[former_option] and adjusted[name, option] < SIGNIFICANT)
+            or (means[option] > means[former_option] and adjusted[name, option] < SIGNIFICANCE)
         ]
         candidates = better if former_option in admitted else admitted
         rows.append(

@@ -11,10 +11,9 @@ import numpy as np
 
 from variants.choices import BY_NAME, CHOICES, Choice
 from variants.design import CROSSED, CROSSED_SINGLY, FACTORIAL, is_base_but_for
-from visuohaptic.evaluation.intervals import holm
+from visuohaptic.evaluation.intervals import SIGNIFICANCE, holm
 from visuohaptic.studies.figures import Row
 
-SIGNIFICANT = 0.05
 SAME = 1e-12
 """Leads below this are rounding."""
 
@@ -33,7 +32,7 @@ class Lead:
     ahead, behind : int
         Cases in which fixation is ahead of or behind random probing.
     ahead_singly, behind_singly : int
-        Cases with p value below `SIGNIFICANT`, each case tested by itself.
+        Cases with p value below `SIGNIFICANCE`, each case tested by itself.
     middle : float
         Median lead, as a share.
     """
@@ -76,7 +75,7 @@ def leads_by_option(rows: Sequence[Row]) -> dict[tuple[str, str], Lead]:
 def sum_up(rows: Sequence[Row]) -> Lead:
     """Compute the lead over rows of `VARIANTS`, at least one; column ``ahead`` of each row must hold a number."""
     leads = [row["ahead"] for row in rows]
-    significant = [row["ahead"] for row in rows if (row["p_value"] or 1.0) < SIGNIFICANT]
+    significant = [row["ahead"] for row in rows if (row["p_value"] or 1.0) < SIGNIFICANCE]
     return Lead(
         cases=len(leads),
         ahead=sum(lead > SAME for lead in leads),
@@ -88,7 +87,7 @@ def sum_up(rows: Sequence[Row]) -> Lead:
 
 
 def count_after_holm(rows: Sequence[Row]) -> tuple[int, int]:
-    """Count the rows of `VARIANTS` with fixation ahead and behind, p below `SIGNIFICANT` after Holm's correction.
+    """Count the rows of `VARIANTS` with fixation ahead and behind, p below `SIGNIFICANCE` after Holm's correction.
 
     The correction is for the number of `rows`. Column ``ahead`` of each row must hold a number.
     """
@@ -97,8 +96,8 @@ def count_after_holm(rows: Sequence[Row]) -> tuple[int, int]:
 
 
 def after_holm(rows: Sequence[Row]) -> list[bool]:
-    """Return whether the lead of each row of `VARIANTS` has p below `SIGNIFICANT` after Holm's correction for all `rows`."""
-    return [p < SIGNIFICANT for p in holm([row["p_value"] or 1.0 for row in rows])]
+    """Return whether the lead of each row of `VARIANTS` has p below `SIGNIFICANCE` after Holm's correction for all `rows`."""
+    return [p < SIGNIFICANCE for p in holm([row["p_value"] or 1.0 for row in rows])]
 
 
 def _by_option(choice: Choice, rows: Sequence[Row]) -> Iterator[tuple[str, list[Row]]]:

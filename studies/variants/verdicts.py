@@ -10,7 +10,7 @@ literal variant, on the paper's set and on the objects outside of it. The verdic
   it on each side.
 - **not shown**: all other cases, also if one of the four was not measured.
 
-A difference is significant if its two-sided p value is below `leads.SIGNIFICANT`. P values are not adjusted, because each
+A difference is significant if its two-sided p value is below `SIGNIFICANCE`. P values are not adjusted, because each
 of them is about one variant. The rule as it was written first also had a verdict *no*, if four intervals excluded a gain of
 two points. No table met it; it is left out, because the tables have no intervals of differences.
 """
@@ -24,7 +24,8 @@ from typing import Literal
 
 from variants.choices import BY_NAME
 from variants.design import is_default, is_literal
-from variants.leads import MAIN_OPPONENT, SIGNIFICANT
+from variants.leads import MAIN_OPPONENT
+from visuohaptic.evaluation.intervals import SIGNIFICANCE
 from visuohaptic.studies.figures import Row
 
 Kind = Literal["default", "literal", "other"]
@@ -49,7 +50,7 @@ class Evidence:
     @property
     def side(self) -> int:
         """1 if the claimed method is significantly better, -1 if significantly worse, else 0."""
-        if self.p_value >= SIGNIFICANT:
+        if self.p_value >= SIGNIFICANCE:
             return 0
         return (self.difference > 0) - (self.difference < 0)
 

@@ -10,6 +10,7 @@ import re
 import runpy
 import shutil
 import tomllib
+from dataclasses import replace
 from functools import reduce
 from importlib.metadata import metadata
 from importlib.util import find_spec
@@ -39,6 +40,7 @@ from visuohaptic.phases import OF_OBJECT, PHASES, Phase
 from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
 from visuohaptic.report import figures
 from visuohaptic.report.estimates import Estimate
+from visuohaptic.report.leads import Lead
 from visuohaptic.studies.learning_policies import LEARNING_POLICIES
 from visuohaptic.studies.registry import find_studies
 from visuohaptic.tables.schema import read_table
@@ -286,33 +288,41 @@ def test_the_page_of_the_two_questions_shows_the_kept_leads(run_script):
 
 
 def test_leads_on_more_classes_are_counted_after_one_correction_for_each_question(run_script):
-    def rows_of(name, *found):
-        for mean, p_value, wide in found:
-            interval = {"mean": mean, "low": None, "high": None}
-            yield {
-                "lead": name,
-                "pipeline": "learned",
-                "frame": "full",
-                "objects": 9,
-                "classes": 3,
-                "difference": interval,
-                "difference_new_classes": interval,
-                "p_value": p_value,
-                "p_value_new_classes": wide,
-            }
+    def leads_of(name, *found):
+        return [
+            Lead(
+                name=name, pipeline="learned", turns="none", known="full", draws=1, objects=9,
+                difference=Estimate(
+                    mean, mean - 0.3, mean + 0.3, p_value, mean - 0.4, mean + 0.4, wide
+                ),
+            )
+            for mean, p_value, wide in found
+        ]  # fmt: skip
 
-    rows = [
-        *rows_of("salience", (-0.1, 0.01, 0.04), (0.2, 0.02, 0.01), (0.3, 0.5, 0.5)),
-        *rows_of("seeing", (0.4, 0.04, 0.6)),
-        *rows_of("sight", (-0.05, 0.02, 0.6)),
+    made = run_script("docs/make_two_questions")
+    salience = leads_of("salience", (-0.1, 0.01, 0.04), (0.2, 0.02, 0.01), (0.3, 0.5, 0.5))
+    leads = [
+        *salience,
+        *leads_of("seeing", (0.4, 0.04, 0.6)),
+        *leads_of("sight", (-0.05, 0.03, 0.6)),
     ]
-    said = run_script("docs/make_two_questions")["more_classes_sentence"](rows)
-    for words in (
-        "On 9 objects of 3 classes",
-        "reach in 1 of 2 comparisons and trail in 1 (for new classes in 0 and 0), by −5.0 to +40.0 points.",
-        "sight in 1 of 3 comparisons and trail in 1 (for new classes in 1 and 0), by −10.0 to +30.0 points.",
-    ):
-        assert words in said
+    said = made["seeing_sentence"](leads)
+    # Each p value is below 0.05, and none is after correction for both.
+    assert (
+        "in 0 of 2 comparisons and trail in 0; for new classes they lead in 0 and trail in 0."
+        in said
+    )
+    leads[-1] = replace(leads[-1], difference=replace(leads[-1].difference, p_value=0.02))
+    said = made["seeing_sentence"](leads)
+    assert "in 1 of 2 comparisons (fixations, `learned`, all known: +40.0 points" in said
+    assert "and trail in 1;" in said
+    said = made["salience_sentence"](leads)
+    assert "in 1 of 3 comparisons and trail in 1; the leads are −10.0 to +30.0 points" in said
+    assert "leads above 60.0 points are excluded (for new classes above 70.0)" in said
+    assert made["others_words"](leads) == (
+        "places in sight lead random places in reach in 1 of 2 and trail in 1, and fixations lead random places in sight in "
+        "1 of 3 and trail in 1"
+    )
 
 
 @pytest.mark.parametrize(

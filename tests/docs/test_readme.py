@@ -7,6 +7,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from learned.compared import leads_of
 from turned.leads import read_kept_leads
 from variants.kept import PAPER_SET, kept_variants
 from variants.summary import kept_summary
@@ -156,11 +157,14 @@ def test_the_answers_count_the_leads_of_the_kept_tables():
     largest = max(lead.difference.high for lead in kept.of("salience"))
     drawn = max(lead.difference.new_classes_high for lead in kept.of("salience"))
     assert f"leads above {100 * largest:.1f} points are excluded, for other classes" in said
-    rows = json.loads((ROOT / "studies/learned/all_classes.json").read_text())["leads"]
-    wide = [row for row in rows if row["lead"] == "salience"]
-    # Only p values of deficits are small.
-    assert all(row["difference"]["mean"] < 0 or row["p_value"] > 0.05 for row in wide)
-    assert f"of {rows[0]['classes']} classes they led in none of {len(wide)}, too." in said
+    rows = pd.read_parquet(ROOT / "studies/learned/kept_all.parquet")
+    classes = rows["object"].str.split("/").str[0].nunique()
+    wide = verdict(lead for lead in leads_of(rows) if lead.name == "salience")
+    assert not wide.ahead
+    assert (
+        f"On {rows['object'].nunique()} upright objects of {classes} classes, most of them the same, they led in none of "
+        f"{len(wide.leads)} and trailed in {len(wide.behind)}."
+    ) in said
     assert f"for other classes leads above {100 * drawn:.1f}." in said
 
 

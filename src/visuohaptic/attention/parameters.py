@@ -22,7 +22,10 @@ NAMED_WEIGHTS = ("equal", "human_channels")
 
 
 def read_fitted_weights() -> dict[str, Any]:
-    """Read the weights that were fitted to people's gaze: `channels` and `terms` by name, and their origin."""
+    """Read the weights that were fitted to people's gaze: `channels` and `terms` by name, and their origin.
+
+    Each call returns a new dict, which the caller may change.
+    """
     text = files(__package__).joinpath("human_weights.json").read_text(encoding="utf-8")
     weights: dict[str, Any] = json.loads(text)
     return weights

@@ -61,6 +61,13 @@ CORRELATION: Bounds = (-1.0, 1.0)
 UNBOUNDED: Bounds = (-math.inf, math.inf)
 """Bounds of a measure without limits; intervals then use only the observed objects."""
 
+SIGNIFICANCE = 0.05
+"""A difference is called shown if its p value is below this level.
+
+Where one question has several comparisons, p values are corrected by `holm` for all of them. Intervals of confidence 95 %
+belong to this level.
+"""
+
 EXTRA = 0.75
 """Shape of the extra object's gamma distribution, which is also its mean factor; observed objects have shape 1.
 
@@ -77,9 +84,6 @@ _NODES = (_EXPONENTIALS - 1 / _EXPONENTIALS) / 2  # sinh x
 _WIDTHS = (_EXPONENTIALS + 1 / _EXPONENTIALS) / 2 * np.where(_EXPONENTIALS == 1, 0.5, 1.0)  # cosh x
 _SADDLE_BISECTIONS = 16
 _ROOT_BISECTIONS = 3
-SIGNIFICANCE = 0.05
-"""Pages call a difference shown if its p value, with Holm's correction for all that one question compares, is smaller."""
-
 _MAXIMUM_ROOT_STEPS = 100
 _ROOT_TOLERANCE = 1e-12
 """`_root` ends at this function value or at this width of the bracket."""

@@ -83,7 +83,7 @@ def pyramid_filter_names() -> tuple[str, ...]:
 
 
 def _read_only(values: Array) -> Array:
-    """Return an array that all callers share, and none can change."""
+    """Make an array read-only and return the array."""
     values.setflags(write=False)
     return values
 
