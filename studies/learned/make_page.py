@@ -231,7 +231,7 @@ def all_sentence(whole: Gains, others: Gains) -> str:
         f"{of(whole.ahead_for_new_classes(MOST))}; Holm's correction for all settings). These are the objects of set `all` that "
         f"the package's model learns; {whole.objects - others.objects} of them are among the 142, and "
         f"{len(choosing_objects())} chose the settings. On the {others.objects} others, of {others.classes} classes, it is shown "
-        f"to be ahead in {of(others.ahead(MOST))}, by {ends(others)} points. No question was written before these figures were "
+        f"to be ahead in {of(others.ahead(MOST))}, with gains of {ends(others)} points. No question was written before these figures were "
         f"computed. By fixation, on all of them:"
     )
 
