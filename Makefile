@@ -124,7 +124,7 @@ learned_turned: $(READY)
 	@python -m visuohaptic.studies.keeping learned_turned $(SET)
 	@python -m learned.make_page
 
-# Both pipelines on objects of set `all`, by all ways of touching (studies/learned/README.md). Then `make readme`.
+# Both pipelines on objects of set `all`, by fixation and by random places in reach and in sight (studies/learned/README.md). Then `make readme`.
 learned_all: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs
 learned_all: $(READY)
 	@$(RUN) --cores $(JOBS) --config meshes="{set: all}" \

@@ -9,7 +9,7 @@ import pandas as pd
 from filling import DOCS, fill_page, points, read_json, share, table
 
 from first_touch.summary import Place, lead, read_kept
-from learned.compared import kept_of_all, leads_of
+from learned.compared import kept_of_all, leads_of, objects_in_words
 from turned.kept import read_turned
 from turned.leads import KeptLeads, read_kept_leads
 from turned.rows import turned_rows
@@ -147,7 +147,8 @@ def salience(kept: KeptLeads) -> str:
     found, drawn = (verdict(kept.of("salience"), over) for over in ("objects", "classes"))
     if found.word != "no" or drawn.excluded is None:
         raise ValueError("the answer to `salience` is not no today: write its sentence again.")
-    rows, _ = kept_of_all()
+    rows, others = kept_of_all()
+    shared = rows["object"].nunique() - others["object"].nunique()
     wide = verdict(lead for lead in leads_of(rows) if lead.name == "salience")
     if wide.ahead:
         raise ValueError(
@@ -158,8 +159,8 @@ def salience(kept: KeptLeads) -> str:
         f"Not on objects of these classes: fixations led random places in sight in none of "
         f"{counted(len(found.leads), 'comparison')} and trailed in {len(found.behind)}, after Holm's correction; leads above "
         f"{percent_points(found.excluded)} points are excluded, for other classes leads above {percent_points(drawn.excluded)}. "
-        f"On {rows['object'].nunique()} upright objects of {classes} classes, most of them the same, they led in none of "
-        f"{len(wide.leads)} and trailed in {len(wide.behind)}."
+        f"On {objects_in_words(wide.leads)} upright objects of {classes} classes, {shared} of them in the 142, they led in none "
+        f"of {len(wide.leads)} and trailed in {len(wide.behind)}."
     )
 
 

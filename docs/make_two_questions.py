@@ -17,7 +17,7 @@ from filling import (
 )
 from matplotlib.figure import Figure
 
-from learned.compared import kept_of_all, leads_of
+from learned.compared import kept_of_all, leads_of, objects_in_words
 from turned.leads import KeptLead, KeptLeads, lead_in_words, question_sentence, read_kept_leads
 from visuohaptic.evaluation.leads import LEADS, LEADS_OF
 from visuohaptic.recognition.parameters import IntervalParameters
@@ -54,15 +54,17 @@ def sentences(kept: KeptLeads) -> str:
 
 def more_classes(rows: pd.DataFrame, others: pd.DataFrame) -> str:
     """Return the leads that are shown on set ``all``, in kept rows of all objects and of those outside the benchmark."""
-    count, other_count = rows["object"].nunique(), others["object"].nunique()
+    shared = rows["object"].nunique() - others["object"].nunique()
     classes = rows["object"].str.split("/").str[0].nunique()
     leads, other_leads = leads_of(rows), leads_of(others)
     return (
-        f"**And on more classes?** Leads were measured on {count} objects of {classes} classes of set `all`, too: upright, "
-        f"facing one way, five touches, one draw of places, by pipelines `order_free` and `learned`, with each of four parts "
-        f"of the pose known. {seeing_sentence(leads)} {salience_sentence(leads)} {count - other_count} of the objects are "
-        f"among the 142. On the {other_count} others {others_words(other_leads)}. All counts are after Holm's correction for "
-        f"the question. No question was written before these figures were computed ([learned](../studies/learned/README.md))."
+        f"**And on more classes?** Leads were measured on {objects_in_words(leads)} objects of {classes} classes of set `all`, "
+        f"too: upright, facing one way, five touches, one draw of places, by pipelines `order_free` and `learned`, with all, "
+        f"centre and vertical, centre, or nothing of the pose known. {seeing_sentence(leads)} {salience_sentence(leads)} "
+        f"{shared} of the objects are in the benchmark. On the {objects_in_words(other_leads)} others: "
+        f"{seeing_sentence(other_leads)} {salience_sentence(other_leads)} A lead is shown if it stands after Holm's correction "
+        f"for all comparisons of the question on the same objects. No question was written before these figures were computed "
+        f"([learned](../studies/learned/README.md))."
     )
 
 
@@ -75,8 +77,9 @@ def seeing_sentence(leads: Sequence[Lead]) -> str:
         for one in found.ahead
     )
     return (
-        f"Places in sight lead random places in reach in {len(found.ahead)} of {len(own)} comparisons{f' ({shown})' * bool(shown)} "
-        f"and trail in {len(found.behind)}; for new classes they lead in {len(drawn.ahead)} and trail in {len(drawn.behind)}."
+        f"Places in sight are shown to lead random places in reach in {len(found.ahead)} of {len(own)} comparisons and to trail "
+        f"in {len(found.behind)}; for new classes they lead in {len(drawn.ahead)} and trail in {len(drawn.behind)}."
+        f"{f' Shown are: {shown}.' if shown else ''}"
     )
 
 
@@ -88,23 +91,10 @@ def salience_sentence(leads: Sequence[Lead]) -> str:
         raise ValueError("a lead on set all has no interval: write the sentence on salience again.")
     means = [one.difference.mean for one in own]
     return (
-        f"Fixations lead random places in sight in {len(found.ahead)} of {len(own)} comparisons and trail in "
+        f"Fixations are shown to lead random places in sight in {len(found.ahead)} of {len(own)} comparisons and to trail in "
         f"{len(found.behind)}; the leads are {points(min(means))} to {points(max(means))} points, and leads above "
         f"{percent_points(found.excluded)} points are excluded (for new classes above {percent_points(drawn.excluded)})."
     )
-
-
-def others_words(leads: Sequence[Lead]) -> str:
-    """Return how many leads of each question are shown."""
-    said = []
-    for question, words in (
-        ("seeing", "places in sight lead random places in reach"),
-        ("salience", "fixations lead random places in sight"),
-    ):
-        own = [one for one in leads if one.name in LEADS_OF[question]]
-        found = verdict(own)
-        said.append(f"{words} in {len(found.ahead)} of {len(own)} and trail in {len(found.behind)}")
-    return ", and ".join(said)
 
 
 def leads_table(kept: KeptLeads) -> str:

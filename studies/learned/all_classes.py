@@ -1,8 +1,8 @@
 """Measure both pipelines on set ``all`` by the known part of the pose: ``python -m learned.all_classes FEATURES``.
 
 `FEATURES` is the folder results/features of a run of set ``all`` by the strategies of study `learned`. Measured are the
-objects of the package's model if a view has five touches. Each object is tested once, from one view, by a model that did
-not learn the object. No question was written down before the figures were computed.
+objects of the package's model; by each strategy, objects that have a view with five touches. Each object is tested once,
+from one view, by a model that did not learn the object. No question was written down before the figures were computed.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def admitted_rows(features: pa.Table) -> pa.Table:
 
 
 def measure(features: pa.Table) -> Iterator[dict[str, Any]]:
-    """Yield a row per frame, strategy, pipeline and object, with the columns of `accuracies.arrange`."""
+    """Yield a row per frame, strategy, pipeline and object, with the columns of `learned.accuracies.arrange`."""
     settings = [*product(FRAMES, STRATEGIES, PIPELINES)]
     for frame, strategy, pipeline in tqdm(settings, unit="setting"):
         for name, accuracy in accuracies(features, strategy, frame, pipeline):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -57,11 +58,14 @@ class Gains:
 
     @classmethod
     def of(cls, rows: pd.DataFrame) -> Gains:
-        """Compare the pipelines in pairs over objects."""
+        """Compare the pipelines in pairs over objects.
+
+        Raises `LookupError` if the pipelines have no object in common in a setting.
+        """
         found = dict.fromkeys(rows[[*ComparedSetting._fields]].itertuples(index=False, name=None))
         settings = [ComparedSetting(*one) for one in found]
         compared = {
-            one: compare(*(accuracies(rows, one, name) for name in reversed(PIPELINES)))
+            one: compare(*(accuracies_in(rows, one, name) for name in reversed(PIPELINES)))
             for one in settings
         }
         stands, stands_for_new_classes = (
@@ -110,7 +114,7 @@ class Gains:
         return self._ahead(touches, self.stands)
 
     def ahead_for_new_classes(self, touches: int) -> tuple[int, int]:
-        """Return the same for new classes."""
+        """Return in how many of these settings `learned` is shown to be ahead for new classes, and their number."""
         return self._ahead(touches, self.stands_for_new_classes)
 
     def _ahead(self, touches: int, stands: dict[ComparedSetting, bool]) -> tuple[int, int]:
@@ -132,8 +136,15 @@ def held_out(folder: Path, name: str) -> pd.DataFrame:
 
 
 def kept_of_all() -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return the kept rows on set ``all``, and the rows of the objects that set ``benchmark`` does not have."""
+    """Return the kept rows on set ``all``, and the rows of the objects that set ``benchmark`` does not have.
+
+    Raises `ValueError` if the rows are not of `learned.all_classes`.
+    """
     rows = pd.read_parquet(kept_file(FOLDER, "all"))
+    if {*zip(rows["touches"], rows["views"], strict=True)} != {(max(TOUCHES), 1)}:
+        raise ValueError(
+            f"kept_all.parquet has not only one view with {max(TOUCHES)} touches; run `make learned_all`."
+        )
     benchmark = pd.read_parquet(kept_file(FOLDER, "benchmark"))["object"]
     return rows, rows[~rows["object"].isin(benchmark)]
 
@@ -151,12 +162,15 @@ def answers_of(rows: pd.DataFrame) -> tuple[Gains, Gains, Gains]:
 
 
 def leads_of(rows: pd.DataFrame) -> tuple[Lead, ...]:
-    """Return the leads of places over others on upright objects, by frame and pipeline: one view, the most of `TOUCHES`."""
+    """Return the leads of places over others on upright objects, by frame and pipeline: one view, the most of `TOUCHES`.
+
+    Raises `LookupError` if the places of a lead have no object in common.
+    """
     leads = []
     for frame, pipeline, (name, strategies) in product(FRAMES, PIPELINES, LEADS.items()):
         compared = compare(
             *(
-                accuracies(rows, ComparedSetting("none", frame, max(TOUCHES), 1, one), pipeline)
+                accuracies_in(rows, ComparedSetting("none", frame, max(TOUCHES), 1, one), pipeline)
                 for one in strategies
             )
         )
@@ -174,7 +188,13 @@ def leads_of(rows: pd.DataFrame) -> tuple[Lead, ...]:
     return tuple(leads)
 
 
-def accuracies(rows: pd.DataFrame, setting: ComparedSetting, pipeline: str) -> ObjectAccuracies:
+def objects_in_words(compared: Iterable[PairedComparison | Lead]) -> str:
+    """Return the number of compared objects; the fewest and the most, such as ``200 to 208``, where numbers differ."""
+    counts = {one.objects for one in compared}
+    return " to ".join(str(count) for count in sorted({min(counts), max(counts)}))
+
+
+def accuracies_in(rows: pd.DataFrame, setting: ComparedSetting, pipeline: str) -> ObjectAccuracies:
     """Return the objects' accuracies in a setting."""
     wanted = {**setting._asdict(), "pipeline": pipeline}
     is_wanted = np.logical_and.reduce([rows[name] == value for name, value in wanted.items()])

@@ -16,11 +16,12 @@ from learned.compared import (
     INTERVALS,
     ComparedSetting,
     Gains,
-    accuracies,
+    accuracies_in,
     answers_of,
     compare,
     held_out,
     kept_of_all,
+    objects_in_words,
 )
 from learned.curves import FRAMES as CURVE_FRAMES
 from learned.study import FRAMES, LONG, PIPELINES, STRATEGIES, TOUCHES
@@ -82,7 +83,7 @@ def blocks() -> dict[str, str]:
     ]
     return {
         "sentence": wrapped(
-            f"{sentence(single, long, together)} {turned_sentence(*turned)} {others_sentence(*few)}"
+            f"{sentence(single, long, together)} {turned_sentence(*turned)} {paper_sentence(*few)}"
         ),
         "comparison": table(heads, rows),
         "all": wrapped(all_sentence(whole, others)),
@@ -170,7 +171,7 @@ def cells(gains: Gains, pose: tuple[Turns, Frame]) -> list[str]:
 
 def both_accuracies(gains: Gains, setting: ComparedSetting) -> str:
     """Write the accuracies of both pipelines in a setting."""
-    return " → ".join(share(accuracies(gains.rows, setting, name).mean) for name in PIPELINES)
+    return " → ".join(share(accuracies_in(gains.rows, setting, name).mean) for name in PIPELINES)
 
 
 def all_lines(gains: Gains) -> Iterator[list[object]]:
@@ -187,7 +188,7 @@ def all_lines(gains: Gains) -> Iterator[list[object]]:
         ]
 
 
-def of(shown: tuple[int, int]) -> str:
+def count_in_words(shown: tuple[int, int]) -> str:
     """Write how many of all, such as ``3 of 12``."""
     return f"{shown[0]} of {shown[1]}"
 
@@ -201,8 +202,8 @@ def sentence(single: Gains, long: Gains, together: Gains) -> str:
     """Return the answer."""
     return (
         f"**On {single.objects} objects that chose nothing, `learned` is shown to be ahead of `order_free` in "
-        f"{of(single.ahead(MOST))} settings with {MOST} touches from one view, in {of(long.ahead(LONG))} with {LONG} touches, "
-        f"in {of(single.ahead(1))} with one touch, and in {of(together.ahead(MOST))} with {MOST} touches from each of "
+        f"{count_in_words(single.ahead(MOST))} settings with {MOST} touches from one view, in {count_in_words(long.ahead(LONG))} with {LONG} touches, "
+        f"in {count_in_words(single.ahead(1))} with one touch, and in {count_in_words(together.ahead(MOST))} with {MOST} touches from each of "
         f"{together.views} views.** By the known part of the pose and the places of touch its gain is {ends(single)} points "
         f"with {MOST} touches, {ends(long)} with {LONG}, and {ends(together)} from {together.views} views."
     )
@@ -212,27 +213,30 @@ def turned_sentence(single: Gains, together: Gains) -> str:
     """Return the answer on turned objects."""
     return (
         f"On objects turned about the vertical (known), or in any way (nothing known), it is shown to be ahead in "
-        f"{of(single.ahead(MOST))} settings from one view and in {of(together.ahead(MOST))} from {together.views}, with gains "
+        f"{count_in_words(single.ahead(MOST))} settings from one view and in {count_in_words(together.ahead(MOST))} from {together.views}, with gains "
         f"of {ends(single)} and {ends(together)} points."
     )
 
 
-def others_sentence(*answers: Gains) -> str:
+def paper_sentence(*answers: Gains) -> str:
     """Return the number of differences that stand, in any setting."""
-    stands = [stands for gains in answers for stands in gains.stands.values()]
+    stands = [gains.stands[setting] for gains in answers for setting in gains.compared]
     return f"On the paper's {answers[0].objects} objects {sum(stands)} of {len(stands)} differences are shown."
 
 
 def all_sentence(whole: Gains, others: Gains) -> str:
     """Return in how many settings `learned` is shown to be ahead on set ``all``, and on its objects outside the benchmark."""
+    chose = whole.rows.loc[whole.rows["object"].isin(choosing_objects()), "object"].nunique()
     return (
-        f"**On {whole.objects} objects of {whole.classes} classes `learned` is shown to be ahead in {of(whole.ahead(MOST))} "
-        f"settings with {MOST} touches from one view**, by {ends(whole)} points (for new classes in "
-        f"{of(whole.ahead_for_new_classes(MOST))}; Holm's correction for all settings). These are the objects of set `all` that "
-        f"the package's model learns; {whole.objects - others.objects} of them are among the 142, and "
-        f"{len(choosing_objects())} chose the settings. On the {others.objects} others, of {others.classes} classes, it is shown "
-        f"to be ahead in {of(others.ahead(MOST))}, with gains of {ends(others)} points. No question was written before these figures were "
-        f"computed. By fixation, on all of them:"
+        f"**On {objects_in_words(whole.compared.values())} objects of {whole.classes} classes, by the places of touch, "
+        f"`learned` is shown to be ahead in {count_in_words(whole.ahead(MOST))} settings with {MOST} touches from one view**, by "
+        f"{ends(whole)} points (for new classes in {count_in_words(whole.ahead_for_new_classes(MOST))}; Holm's correction for "
+        f"all settings). The objects are those of set `all` that the package's model learns, if a view has {MOST} touches by "
+        f"these places. Of all {whole.objects}, {whole.objects - others.objects} are in set `benchmark`, and {chose} chose the "
+        f"settings. On the {objects_in_words(others.compared.values())} others, of {others.classes} classes, `learned` is shown "
+        f"to be ahead in {count_in_words(others.ahead(MOST))} (for new classes in "
+        f"{count_in_words(others.ahead_for_new_classes(MOST))}), with gains of {ends(others)} points. No question was written "
+        f"before these figures were computed. By fixation:"
     )
 
 
@@ -242,13 +246,14 @@ def question_sentence(gains: Gains) -> str:
     for setting in gains.compared:
         if setting.strategy == STRATEGIES[0]:
             fixation, *rivals = (
-                accuracies(gains.rows, setting._replace(strategy=name), "learned")
+                accuracies_in(gains.rows, setting._replace(strategy=name), "learned")
                 for name in STRATEGIES
             )
             leads += [compare(fixation, one).difference for one in rivals]
     ahead, behind = sum(one.low > 0 for one in leads), sum(one.high < 0 for one in leads)
     return (
-        f"Of {len(leads)} leads of fixation over random places in reach and in sight, by this network, intervals are "
+        f"Of {len(leads)} leads of fixation over random places in reach and in sight, with {' and '.join(map(str, TOUCHES))} "
+        f"touches from one view by this network, intervals are "
         f"above 0 in {ahead} and below 0 in {behind} (95 %, not corrected; one draw of random places; {gains.objects} objects). "
         f"Leads on set `all` are in [two_questions.md](../../docs/two_questions.md)."
     )

@@ -71,6 +71,11 @@ def test_a_gain_is_of_the_network_over_the_discriminant_in_its_own_setting():
     ahead = sum(gains.stands[key] and mean > 0 for key, mean in means.items())
     assert gains.ahead(5) == (ahead, 12)
     assert ahead < sum(gains.stands.values())
+    wide = gains.stands_for_new_classes
+    assert gains.ahead_for_new_classes(5) == (
+        sum(wide[key] and mean > 0 for key, mean in means.items()),
+        12,
+    )
     assert gains.range() == pytest.approx((min(means.values()), max(means.values())))
     assert (gains.objects, gains.classes) == (12, 3)
 
@@ -114,11 +119,21 @@ def test_objects_of_the_benchmark_are_no_others(tmp_path, monkeypatch):
     assert {*others["object"]} == {*OBJECTS[8:]}
 
 
+def test_rows_of_the_whole_study_are_no_rows_of_set_all(tmp_path, monkeypatch):
+    both = pd.concat([rows_of(drawn()), rows_of(drawn(1), views=16)])
+    both.to_parquet(tmp_path / "kept_all.parquet")
+    monkeypatch.setattr(compared, "FOLDER", tmp_path)
+    with pytest.raises(
+        ValueError, match="not only one view with 5 touches; run `make learned_all`"
+    ):
+        kept_of_all()
+
+
 def test_accuracies_without_an_object_in_common_are_refused():
     rows = rows_of(drawn())
     setting = ComparedSetting("none", "full", 5, 1, "fixation")
     first, second = (
-        compared.accuracies(rows[rows["object"].isin(own)], setting, "learned")
+        compared.accuracies_in(rows[rows["object"].isin(own)], setting, "learned")
         for own in (OBJECTS[:3], OBJECTS[3:])
     )
     with pytest.raises(LookupError, match="no object in common"):

@@ -14,7 +14,7 @@ from learned.accuracies import arrange
 from learned.study import FRAMES, LONG, PIPELINES, TOUCHES, conditions
 from learned_turned import study as learned_turned
 from visuohaptic.base.errors import ReportError
-from visuohaptic.evaluation.intervals import compare_paired
+from visuohaptic.evaluation.intervals import compare_paired, holm
 from visuohaptic.meshes.catalogue import TEST_CLASSES
 from visuohaptic.recognition.parameters import IntervalParameters, LearnedParameters
 from visuohaptic.report.leads import KNOWN
@@ -214,31 +214,59 @@ def test_the_page_has_the_gains_on_set_all():
     rows = pd.read_parquet(FOLDER / "kept_all.parquet")
     benchmark = pd.read_parquet(FOLDER / "kept_benchmark.parquet")["object"]
     others = rows[~rows["object"].isin(benchmark)]
-    page = (FOLDER / "README.md").read_text()
-    text = " ".join(page.split())
-    classes = rows["object"].str.split("/").str[0].nunique()
-    assert f"On {rows['object'].nunique()} objects of {classes} classes `learned` is shown" in text
+    text = " ".join((FOLDER / "README.md").read_text().split())
+    total, shared = rows["object"].nunique(), rows["object"].nunique() - others["object"].nunique()
+    chose = len({*rows["object"]} & choosing_objects())
     assert (
-        f"{rows['object'].nunique() - others['object'].nunique()} of them are among the 142" in text
+        f"Of all {total}, {shared} are in set `benchmark`, and {chose} chose the settings" in text
     )
-    for part, words in (
-        (rows, " settings with 5 touches from one view**, by "),
-        (others, ", with gains of "),
+    for part, start, middle in (
+        (rows, "**On", ", by the places of touch, `learned` is shown to be ahead in"),
+        (others, "On the", "`learned` is shown to be ahead in"),
     ):
-        found = counted(part)
-        fewest, most, total = found[5]
+        found, classes = counted(part), part["object"].str.split("/").str[0].nunique()
+        sizes = part.groupby(["strategy"])["object"].nunique()
         said = re.search(
-            rf"ahead in (\d+) of {total}{re.escape(words + found['gains'])} points", text
+            rf"{re.escape(start)} {sizes.min()} to {sizes.max()} (?:objects|others,) of {classes} classes,? ?"
+            rf"{re.escape(middle)} (\d+) of (\d+)",
+            text,
         )
+        fewest, most, settings = found[5]
         assert fewest <= int(said[1]) <= most
+        assert int(said[2]) == settings
+        wide = holm(
+            [gain_of(own).p_value_new_classes for _, own in part.groupby(["frame", "strategy"])]
+        )
+        assert f"(for new classes in {sum(value < 0.05 for value in wide)} of {settings}" in text
+        assert f"{found['gains']} points" in text
+
+
+def gain_of(rows):
+    """Compare the pipelines on the objects of one setting of set ``all``."""
+    wide = rows.pivot(index="object", columns="pipeline", values="accuracy").sort_index()
+    classes = [name.split("/")[0] for name in wide.index]
+    before, after = (wide[name].to_numpy() for name in PIPELINES)
+    return compare_paired(after, before, np.ones(len(wide)), IntervalParameters(), classes)
+
+
+def test_the_page_has_the_accuracies_on_set_all_with_both_intervals():
+    rows = pd.read_parquet(FOLDER / "kept_all.parquet")
+    page = (FOLDER / "README.md").read_text()
     block = re.search(r"<!-- all_frames -->\n(.*)<!-- /all_frames -->", page, re.S)[1]
-    by_fixation = rows[rows["strategy"] == "fixation"]
-    means = 100 * by_fixation.groupby(["frame", "pipeline"])["accuracy"].mean()
-    lines = block.splitlines()[2:]
-    for frame, line in zip(("full", "vertical", "centre", "none"), lines, strict=True):
-        before, after = (means[frame, name] for name in PIPELINES)
-        gain = f"{after - before:+.1f} (".replace("-", "−")
-        assert line.startswith(f"| {KNOWN[frame]} | {before:.1f} % → {after:.1f} % | {gain}")
+    for frame, line in zip(
+        ("full", "vertical", "centre", "none"), block.splitlines()[2:], strict=True
+    ):
+        own = rows[(rows["frame"] == frame) & (rows["strategy"] == "fixation")]
+        before, after = (
+            100 * own[own["pipeline"] == name]["accuracy"].mean() for name in PIPELINES
+        )
+        found = gain_of(own)
+        near, wide = (
+            f"{100 * one.low:+.1f} to {100 * one.high:+.1f}"
+            for one in (found.difference, found.difference_new_classes)
+        )
+        expected = f"| {KNOWN[frame]} | {before:.1f} % → {after:.1f} % | {after - before:+.1f} ({near}) | {wide} |"
+        assert line == expected.replace("-", "−")
 
 
 def test_the_page_counts_the_leads_of_fixation_by_the_network():
@@ -257,7 +285,8 @@ def test_the_page_counts_the_leads_of_fixation_by_the_network():
             found = compare_paired(fixation, other, weights, IntervalParameters()).difference
             shown.append((found.low > 0) - (found.high < 0))
     text = " ".join((FOLDER / "README.md").read_text().split())
-    assert f"Of {len(shown)} leads of fixation over random places in reach and in sight" in text
+    said = "leads of fixation over random places in reach and in sight, with 1 and 5 touches"
+    assert f"Of {len(shown)} {said}" in text
     assert f"above 0 in {shown.count(1)} and below 0 in {shown.count(-1)} (" in text
 
 
