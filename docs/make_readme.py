@@ -9,7 +9,7 @@ import pandas as pd
 from filling import DOCS, fill_page, points, read_json, share, table
 
 from first_touch.summary import Place, lead, read_kept
-from learned.compared import kept_of_all, leads_of, objects_in_words
+from learned.compared import count_classes, kept_of_all, leads_of, objects_in_words
 from turned.kept import read_turned
 from turned.leads import KeptLeads, read_kept_leads
 from turned.rows import turned_rows
@@ -154,12 +154,11 @@ def salience(kept: KeptLeads) -> str:
         raise ValueError(
             "the answer to `salience` has another form today: write its sentence again."
         )
-    classes = rows["object"].str.split("/").str[0].nunique()
     return (
         f"Not on objects of these classes: fixations led random places in sight in none of "
         f"{counted(len(found.leads), 'comparison')} and trailed in {len(found.behind)}, after Holm's correction; leads above "
         f"{percent_points(found.excluded)} points are excluded, for other classes leads above {percent_points(drawn.excluded)}. "
-        f"On {objects_in_words(wide.leads)} upright objects of {classes} classes, {shared} of them in the 142, they led in none "
+        f"On {objects_in_words(wide.leads)} upright objects of {count_classes(rows)} classes, {shared} of them in the 142, they led in none "
         f"of {len(wide.leads)} and trailed in {len(wide.behind)}."
     )
 

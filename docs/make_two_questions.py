@@ -17,14 +17,14 @@ from filling import (
 )
 from matplotlib.figure import Figure
 
-from learned.compared import kept_of_all, leads_of, objects_in_words
+from learned.compared import count_classes, kept_of_all, leads_of, objects_in_words
 from turned.leads import KeptLead, KeptLeads, lead_in_words, question_sentence, read_kept_leads
-from visuohaptic.evaluation.leads import LEADS, LEADS_OF
+from visuohaptic.evaluation.leads import LEADS, LEADS_OF, Question
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report import figures
 from visuohaptic.report.drawing import style
 from visuohaptic.report.estimates import with_interval
-from visuohaptic.report.leads import KNOWN, PLACES, Lead, verdict
+from visuohaptic.report.leads import KNOWN, PLACES, Lead, Verdict, verdict
 from visuohaptic.report.questions import QUESTIONS
 from visuohaptic.report.wording import percent_points, points, titled
 
@@ -55,10 +55,9 @@ def sentences(kept: KeptLeads) -> str:
 def more_classes(rows: pd.DataFrame, others: pd.DataFrame) -> str:
     """Return the leads that are shown on set ``all``, in kept rows of all objects and of those outside the benchmark."""
     shared = rows["object"].nunique() - others["object"].nunique()
-    classes = rows["object"].str.split("/").str[0].nunique()
     leads, other_leads = leads_of(rows), leads_of(others)
     return (
-        f"**And on more classes?** Leads were measured on {objects_in_words(leads)} objects of {classes} classes of set `all`, "
+        f"**And on more classes?** Leads were measured on {objects_in_words(leads)} objects of {count_classes(rows)} classes of set `all`, "
         f"too: upright, facing one way, five touches, one draw of places, by pipelines `order_free` and `learned`, with all, "
         f"centre and vertical, centre, or nothing of the pose known. {seeing_sentence(leads)} {salience_sentence(leads)} "
         f"{shared} of the objects are in the benchmark. On the {objects_in_words(other_leads)} others: "
@@ -68,16 +67,21 @@ def more_classes(rows: pd.DataFrame, others: pd.DataFrame) -> str:
     )
 
 
+def verdicts(question: Question, leads: Sequence[Lead]) -> tuple[Verdict, Verdict]:
+    """Answer a question by its leads, for new objects and for new classes."""
+    own = [one for one in leads if one.name in LEADS_OF[question]]
+    return verdict(own), verdict(own, "classes")
+
+
 def seeing_sentence(leads: Sequence[Lead]) -> str:
     """Return the shown leads of places in sight over random places in reach."""
-    own = [one for one in leads if one.name in LEADS_OF["seeing"]]
-    found, drawn = verdict(own), verdict(own, "classes")
+    found, drawn = verdicts("seeing", leads)
     shown = "; ".join(
         f"{one.places[0]}, `{one.pipeline}`, {KNOWN[one.known]} known: {lead_in_words(one)}"
         for one in found.ahead
     )
     return (
-        f"Places in sight are shown to lead random places in reach in {len(found.ahead)} of {len(own)} comparisons and to trail "
+        f"Places in sight are shown to lead random places in reach in {len(found.ahead)} of {len(found.leads)} comparisons and to trail "
         f"in {len(found.behind)}; for new classes they lead in {len(drawn.ahead)} and trail in {len(drawn.behind)}."
         f"{f' Shown are: {shown}.' if shown else ''}"
     )
@@ -85,13 +89,12 @@ def seeing_sentence(leads: Sequence[Lead]) -> str:
 
 def salience_sentence(leads: Sequence[Lead]) -> str:
     """Return the shown leads of fixations over random places in sight, their range, and the leads that are excluded."""
-    own = [one for one in leads if one.name in LEADS_OF["salience"]]
-    found, drawn = verdict(own), verdict(own, "classes")
+    found, drawn = verdicts("salience", leads)
     if found.excluded is None or drawn.excluded is None:
         raise ValueError("a lead on set all has no interval: write the sentence on salience again.")
-    means = [one.difference.mean for one in own]
+    means = [one.difference.mean for one in found.leads]
     return (
-        f"Fixations are shown to lead random places in sight in {len(found.ahead)} of {len(own)} comparisons and to trail in "
+        f"Fixations are shown to lead random places in sight in {len(found.ahead)} of {len(found.leads)} comparisons and to trail in "
         f"{len(found.behind)}; the leads are {points(min(means))} to {points(max(means))} points, and leads above "
         f"{percent_points(found.excluded)} points are excluded (for new classes above {percent_points(drawn.excluded)})."
     )

@@ -85,7 +85,7 @@ class Gains:
     @property
     def classes(self) -> int:
         """The number of classes."""
-        return len({name.split("/")[0] for name in self.rows["object"]})
+        return count_classes(self.rows)
 
     @property
     def views(self) -> int:
@@ -127,6 +127,11 @@ class Gains:
             one.difference.mean for key, one in self.compared.items() if key.touches == self.most
         ]
         return min(gains), max(gains)
+
+
+def count_classes(rows: pd.DataFrame) -> int:
+    """Return the number of classes of the objects, ``class/name``, in kept rows."""
+    return len({name.split("/")[0] for name in rows["object"]})
 
 
 def held_out(folder: Path, name: str) -> pd.DataFrame:
